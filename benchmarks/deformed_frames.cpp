@@ -62,7 +62,7 @@ std::vector<Handle> leaning(const Box3& box) {
 
 std::shared_ptr<const VolumeField> field_of(VolumeDataset& data, Progress& progress) {
   ReconstructionOptions options;
-  options.method = reconstruction_of_name("cubic");
+  options.method = "cubic";
   return data.field({data.default_array().name, {}, false}, options, progress);
 }
 
@@ -76,7 +76,7 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
   for (const std::vector<double>& axis : samples->lattice->axes) longest = std::max(longest, axis.size());
   if (longest < 256) {
     ResampleOptions options;
-    options.size = 256;
+    options.size = {256};
     GridData grid;
     grid.blocks.push_back(resample_volume(*field, data.default_array().name, options, progress));
     grid.blocks[0].point_arrays.erase("inside");

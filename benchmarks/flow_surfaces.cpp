@@ -64,7 +64,7 @@ std::shared_ptr<const VolumeField> sampled(const VectorField& flow, std::array<s
   Progress progress;
   auto volume = std::make_shared<const SampledVolume>(assemble_volume(data, Association::points, progress));
   ReconstructionOptions options;
-  options.method = ReconstructionMethod::linear;
+  options.method = "linear";
   return reconstruct_volume(std::move(volume), "v", options, progress);
 }
 
@@ -242,7 +242,7 @@ void lines(const std::string& file) {
   Progress progress;
   VolumeDataset volume(read_volumes({file}));
   ReconstructionOptions options;
-  options.method = ReconstructionMethod::linear;
+  options.method = "linear";
   for (const DatasetArray& array : volume.arrays())
     if (array.components == 3)
       return time_lines(std::filesystem::path(file).filename().string(),

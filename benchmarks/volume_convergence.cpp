@@ -78,7 +78,7 @@ Errors errors_at(const VolumeField& field, const std::vector<Vec3>& x, Function 
 void converge(const std::string& grid, const std::string& method, int levels, std::size_t count) {
   Progress progress;
   ReconstructionOptions options;
-  options.method = reconstruction_of_name(method);
+  options.method = method;
   for (int f = 0; f < 3; ++f) {
     double before = 0;
     for (int level = 0; level < levels; ++level) {
@@ -135,7 +135,7 @@ int main(int argc, char** argv) {
         throw ArgumentError("unknown option " + std::string(a));
     }
     if (methods.empty())
-      for (const ReconstructionInfo& info : reconstruction_methods()) methods.emplace_back(info.name);
+      for (const VolumeMethod* const info : VolumeMethod::registry().all()) methods.emplace_back(info->name);
     fmt::print("{:<10} {:<11}    {:>4} {:>10} {:>10} {:>10} {:>10} {:>6}\n", "grid", "method", "n", "samples", "max",
                "between", "max", "order");
     for (const std::string& grid : grids)

@@ -140,7 +140,7 @@ void measure(const std::string& name, const Options& options) {
   double linear_mean[3] = {}, linear_max[3] = {};
   for (const std::string& method : options.methods) {
     ReconstructionOptions wanted;
-    wanted.method = reconstruction_of_name(method);
+    wanted.method = method;
     for (int f = 0; f < 3; ++f) {
       try {
         const double before = process_cpu_seconds();
@@ -198,7 +198,7 @@ int main(int argc, char** argv) {
         options.grids.emplace_back(a);
     }
     if (methods.empty())
-      for (const ReconstructionInfo& info : reconstruction_methods()) methods.emplace_back(info.name);
+      for (const VolumeMethod* const info : VolumeMethod::registry().all()) methods.emplace_back(info->name);
     std::erase(methods, "linear");
     methods.insert(methods.begin(), "linear");
     options.methods = methods;

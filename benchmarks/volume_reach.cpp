@@ -78,7 +78,7 @@ struct Volume {
     data = std::make_unique<VolumeDataset>(read_volumes(files));
     array = wanted == "-" ? data->default_array().name : wanted;
     samples = data->volume(array, progress);
-    options.method = reconstruction_of_name(method);
+    options.method = method;
   }
   std::shared_ptr<const VolumeField> field(ReconstructionReport* report = nullptr) {
     ArrayChoice choice = data->choose(array);

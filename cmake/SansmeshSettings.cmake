@@ -91,14 +91,15 @@ function(sansmesh_group_sources target)
   endforeach()
 endfunction()
 
-# Defines LIST() of HEADER, the entries of a registry that the library has by itself: those of each FUNCTION(), in the
-# given order. They are named here so that no linker drops a source that nothing else calls.
+# Defines LIST() of HEADER, the entries of a registry that the library has by itself: those of each SOURCE, in the
+# given order: SOURCE.cpp has SOURCE_methods(), or SOURCE() if it is called so. They are named here so that no linker drops a source that nothing else calls.
 function(sansmesh_registry entry header list)
   set(declared "")
   set(called "")
   foreach(source IN LISTS ARGN)
-    string(APPEND declared "std::span<const ${entry}> ${source}();\n")
-    string(APPEND called "\n          ${source}(),")
+    string(REGEX REPLACE "_methods$" "" methods ${source})
+    string(APPEND declared "std::span<const ${entry}> ${methods}_methods();\n")
+    string(APPEND called "\n          ${methods}_methods(),")
     target_sources(sansmesh PRIVATE ${source}.cpp)
   endforeach()
   set(generated ${CMAKE_CURRENT_BINARY_DIR}/${list}.cpp)

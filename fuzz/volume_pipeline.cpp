@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/dataset/choose_reconstruction.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/render/volume_picture.h"
@@ -246,7 +245,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ByteReader in(data, size);
   const std::size_t task = in.below(4), blocks = 1 + in.below(8) / 7;
   const std::uint8_t bits = in.take<std::uint8_t>();
-  const auto methods = reconstruction_methods();
+  const auto methods = VolumeMethod::registry().all();
   const std::size_t method = in.below(methods.size() + 3);
   GridData grid;
   for (std::size_t b = 0; b < blocks; ++b) grid.blocks.push_back(block_of(in, b));
@@ -256,12 +255,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const auto samples = dataset.volume("s", progress);
     if (task == 0) return inform(*samples, dataset);
     ReconstructionOptions options;
-    if (method < methods.size()) {
-      options.method = methods[method].method;
-    } else {
-      const VolumeTraits traits = measure_volume_traits(*samples, volume_values(*samples, "s"), progress);
-      options.method = choose_reconstruction(*samples, traits).method;
-    }
+    if (method < methods.size()) options.method = std::string(methods[method]->name);
     ReconstructionReport report;
     const auto field = dataset.field({"s", {}, false}, options, progress, &report);
     for (const std::string& note : report.notes) fuzz::check_message(note);

@@ -125,7 +125,7 @@ Command add_advise(CommandLine& app) {
       "  sansmesh advise fire.vtu --array t");
   return {&c, [input, volume, &app](Console& console) {
             const bool named = names_volume(input->files);
-            if (!named && !volume->read.raw) {
+            if (!named && !volume->read.raw.given()) {
               require(volume->array.empty(),
                       "--array is of volumes: `advise data FILE` takes points for samples of one");
               return run_advise(*input, app.subcommand("reconstruct"), console);

@@ -14,7 +14,7 @@ constexpr const char* kExamples = R"(
 Examples:
   sansmesh reconstruct scan.ply -o surface.ply
   sansmesh reconstruct scan.ply -o surface.glb --preview surface.png
-  sansmesh evaluate surface.ply reference.ply
+  sansmesh assess surface.ply reference.ply
   sansmesh help COMMAND
 
 Lengths are in the unit of the input. What is not given is chosen from the data.
@@ -43,9 +43,9 @@ Registry<CommandEntry>& CommandEntry::registry() {
 std::vector<Command> add_commands(CommandLine& line, CommonArguments& common) {
   line.footer(kExamples);
   add_common(line, common);
-  std::vector<Command> commands = {add_reconstruct(line), add_normals(line), add_evaluate(line),  add_info(line),
+  std::vector<Command> commands = {add_reconstruct(line), add_normals(line), add_assess(line),    add_info(line),
                                    add_render(line),      add_project(line), add_curvature(line), add_advise(line),
-                                   add_fit(line),         add_mesh(line),    add_eval(line),      add_edit(line),
+                                   add_fit(line),         add_mesh(line),    add_probe(line),     add_edit(line),
                                    add_diagnose(line),    add_section(line), add_compare(line),   add_measure(line),
                                    add_csg(line),         add_deform(line),  add_simulate(line),  add_convert(line),
                                    add_align(line),       add_fill(line),    add_simplify(line),  add_smooth(line)};

@@ -11,7 +11,7 @@ namespace sansmesh::cli {
 Command add_reconstruct(CommandLine& app);
 Command add_convert(CommandLine& app);
 Command add_normals(CommandLine& app);
-Command add_evaluate(CommandLine& app);
+Command add_assess(CommandLine& app);
 Command add_info(CommandLine& app);
 Command add_render(CommandLine& app);
 Command add_project(CommandLine& app);
@@ -19,7 +19,7 @@ Command add_curvature(CommandLine& app);
 Command add_advise(CommandLine& app);
 Command add_fit(CommandLine& app);
 Command add_mesh(CommandLine& app);
-Command add_eval(CommandLine& app);
+Command add_probe(CommandLine& app);
 Command add_edit(CommandLine& app);
 Command add_diagnose(CommandLine& app);
 Command add_section(CommandLine& app);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -67,7 +68,7 @@ DeformedThing thing_of(const DeformArguments& a) {
     }
     if (is_function_file(name)) return DeformedThing::solid;
   }
-  if (a.input.read.raw || !a.input.array.empty() || a.all_arrays) return DeformedThing::volume;
+  if (a.input.read.raw.given() || !a.input.array.empty() || a.all_arrays) return DeformedThing::volume;
   return std::all_of(files.begin(), files.end(), is_volume_name) ? DeformedThing::volume : DeformedThing::points;
 }
 
@@ -197,22 +198,14 @@ Deformed deform_volume(DeformArguments& a, const Deformation& deformation, Conso
     look.shading = !a.no_shading, look.color_bar = !a.no_bar;
     look.validate();
   }
-  OpenVolume volume(a.input, console);
-  DeformableVolume subject{a.input.name(), volume.samples(), {}, {}};
-  if (a.all_arrays) {
-    for (const DatasetArray& array : volume.dataset().arrays())
-      if (volume.dataset().volume(array.name, console.progress()) == subject.samples) {
-        subject.fields.push_back(volume.field({array.name, {}, false}));
-        subject.arrays.push_back(array.name);
-      }
-  } else {
-    subject.fields.push_back(volume.field(picture ? as_scalar(volume.choice(), volume) : volume.choice()));
-    subject.arrays.push_back(volume.array_name());
-  }
+  VolumeModel volume = a.input.open(console);
+  std::vector<Note> notes;
+  const DeformableVolume subject = deformable_volume(volume, a.aim(), a.all_arrays, console.progress(), notes);
+  console.note(volume.name(), notes);
   Deformed d;
   d.result = deform(subject, deformation, a.aim(), a.options, to_files(a, d, console), console.progress());
-  volume.say_method();
-  d.input = volume.json();
+  console.say(method_line(volume));
+  d.input = json_of_volume(a.input, volume, console.progress());
   const DeformReport& r = d.result.report;
   if (picture) {
     d.output = {{"rays", r.rays}, {"evaluations", r.evaluations}};
@@ -227,7 +220,7 @@ Deformed deform_volume(DeformArguments& a, const Deformation& deformation, Conso
 Deformed write_displacement_map(const DeformArguments& a, DeformedThing thing, const Deformation& deformation,
                                 Console& console) {
   Json ignored;
-  const Box3 before = thing == DeformedThing::volume  ? OpenVolume(a.input, console).samples()->bounds()
+  const Box3 before = thing == DeformedThing::volume  ? a.input.open(console).samples(console.progress())->bounds()
                       : thing == DeformedThing::solid ? open_solid(a.input.files[0], console).solid.bounds()
                                                       : bounds_of(read_cloud(a, ignored, console));
   DeformationMapResult made = deformation_map(deformation, before, a.input.name(), a.map, console.progress());
@@ -261,12 +254,10 @@ void run_deform(DeformArguments& a, Console& console) {
   check_deform(a);
   const DeformedThing thing = thing_of(a);
   const Deformation deformation = read_deformation(a.deformation, console.progress());
-  const Deformed d = naming(a.input.name(), console, [&] {
-    if (a.map.nodes) return write_displacement_map(a, thing, deformation, console);
-    if (thing == DeformedThing::solid) return deform_solid(a, deformation, console);
-    return thing == DeformedThing::volume ? deform_volume(a, deformation, console)
-                                          : deform_cloud(a, deformation, console);
-  });
+  const Deformed d = a.map.nodes                      ? write_displacement_map(a, thing, deformation, console)
+                     : thing == DeformedThing::solid  ? deform_solid(a, deformation, console)
+                     : thing == DeformedThing::volume ? deform_volume(a, deformation, console)
+                                                      : deform_cloud(a, deformation, console);
   console.note(a.input.name(), d.result.notes);
   console.progress().finish();
   console.say(fmt::format("{}: {}", a.input.name(), deformation.words()));
@@ -323,7 +314,11 @@ Command add_deform(CommandLine& app) {
   add_volume_array(c, a.input);
   const char* const volumes = "Volumes";
   c.add_flag("--all-arrays", a.all_arrays, "All arrays of the same samples (.vti)").group(volumes);
-  add_schema(c, a.options, {.group = volumes, .only = {"size", "nan", "map_nodes"}});
+  add_schema(c, a.options, {.group = volumes, .only = {"size", "outside", "map_nodes"}});
+  c.add_flag_callback(
+       "--nan", [&a] { a.options.lattice.outside = std::numeric_limits<double>::quiet_NaN(); },
+       "Values outside of the volume are NaN: --outside nan")
+      .group(volumes);
   a.colors.add_options(c, volumes);
   c.add_option("--clip", a.clips, "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated")
       .type_name("PLACE")

@@ -180,7 +180,7 @@ Command add_info(CommandLine& app) {
            "  sansmesh info data samples.csv");
   return {&c, [input, volume](Console& console) {
             const bool named = names_volume(input->files);
-            if (!named && !volume->read.raw) return run_info(*input, console);
+            if (!named && !volume->read.raw.given()) return run_info(*input, console);
             volume->files = input->files;
             run_volume_info(*volume, console);
           }};

@@ -8,6 +8,7 @@
 #include "json.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/model/surface_method.h"
+#include "sansmesh/volume/volume_method.h"
 #include "standard_output.h"
 
 namespace sansmesh::cli {
@@ -95,6 +96,16 @@ Json json_of_surfaces() {
   return list;
 }
 
+Json json_of_volume_methods() {
+  Json list = Json::array();
+  for (const VolumeMethod* const method : VolumeMethod::registry().all()) {
+    Json uses = Json::array();
+    for (const std::string_view option : method->uses) uses.push_back(std::string(option));
+    list.push_back({{"name", method->name}, {"text", method->summary}, {"grids", method->grids}, {"uses", uses}});
+  }
+  return list;
+}
+
 Json json_of_formats() {
   constexpr std::pair<unsigned, const char*> kWords[] = {
       {kPoints, "points"},         {kMesh, "mesh"},       {kLines, "lines"},      {kVolume, "volume"},
@@ -131,7 +142,9 @@ Command add_schema_command(CommandLine& app) {
       "`value`,\n"
       "`unit`, `usual` (its value where it is not given), `from_data`, `range`, `choices`, `numbers`, `endings`,\n"
       "`implied`, `excludes`, `required` and `repeated`. Ends of a range that are null are infinite; those of `above`\n"
-      "and `below` are excluded. `surfaces` are the methods of --surface with the fields that they use; `formats` the\n"
+      "and `below` are excluded. `surfaces` and `volume_methods` are the methods of --surface and, for volumes, of "
+      "--method, with the fields\n"
+      "that they use; `formats` the\n"
       "files that are read and written, by ending.\n\n"
       "Examples:\n"
       "  sansmesh schema > schema.json");
@@ -140,7 +153,8 @@ Command add_schema_command(CommandLine& app) {
             add_commands_of(app, commands);
             const Json json = {{"schema", kSchemaVersion},       {"version", SANSMESH_VERSION},
                                {"common", json_of_options(app)}, {"commands", commands},
-                               {"surfaces", json_of_surfaces()}, {"formats", json_of_formats()}};
+                               {"surfaces", json_of_surfaces()}, {"volume_methods", json_of_volume_methods()},
+                               {"formats", json_of_formats()}};
             print_out(json.text() + "\n");
           }};
 }

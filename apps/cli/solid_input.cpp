@@ -1,13 +1,9 @@
 #include "solid_input.h"
 
-#include "volume_input.h"
-
 namespace sansmesh::cli {
 
 SolidModel open_solid(const std::string& expression, Console& console) {
-  SolidModel solid = read_solid(
-      expression, [&](const IsosurfaceName& name) { return open_isosurface(name, console).surface; },
-      console.progress());
+  SolidModel solid = read_solid(expression, console.progress());
   console.note(expression, solid.notes);
   return solid;
 }

@@ -1,7 +1,8 @@
 // sansmesh volume fit: a volume with its reconstruction, ready for all that comes after.
+#include "sansmesh/jobs/fit_volume.h"
+
 #include <fmt/format.h>
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "sansmesh/dataset/volume_file.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/output_batch.h"
+#include "schema_options.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
@@ -18,35 +20,34 @@ namespace {
 struct VolumeFitArguments {
   VolumeInput input;
   std::string output;
-  bool all = false;
+  FitVolumeOptions options;
 };
 
 void run_volume_fit(const VolumeFitArguments& a, Console& console) {
   if (!is_volume_file(a.output))
     throw FileError(a.output, "fitted volumes are written to files with the ending .smv (or .smv.gz)");
   check_writable(a.output, "text");
-  OpenVolume volume(a.input, console);
-  const FittedVolume fitted = volume.fit(a.all);
+  VolumeModel volume = a.input.open(console);
+  const FitVolumeResult made = fit_volume(volume, a.options, console.progress());
+  const FittedVolume& fitted = made.fitted;
+  const FitVolumeReport& r = made.report;
   console.progress().begin("write");
   write_volume_file(a.output, fitted);
   console.progress().finish();
 
-  const std::uint64_t bytes = written_size(a.output);
-  const std::size_t samples = fitted.volume->size();
-  const std::vector<std::size_t> by_degree = fitted.coefficients.by_degree();
-  volume.say_method();
-  console.say(fmt::format("{}: {} ({})", a.input.name(), counted(samples, "sample"), fitted.volume->facts.grid));
-  if (!by_degree.empty())
-    console.say(fmt::format("polynomials of degree 0 to {}: {}", by_degree.size() - 1, fmt::join(by_degree, ", ")));
-  console.say(fmt::format("{}: {}, {:.3g} MB{}", a.output, counted(fitted.arrays.size(), "array"),
-                          static_cast<double>(bytes) / 1e6,
-                          fitted.coefficients.empty() ? "; this method has no coefficients to keep" : ""));
+  console.say(method_line(volume));
+  console.say(fmt::format("{}: {} ({})", volume.name(), counted(r.samples, "sample"), fitted.volume->facts.grid));
+  if (!r.by_degree.empty())
+    console.say(fmt::format("polynomials of degree 0 to {}: {}", r.by_degree.size() - 1, fmt::join(r.by_degree, ", ")));
+  console.note(volume.name(), made.notes);
+  console.say(fmt::format("{}: {}, {:.3g} MB", a.output, counted(fitted.arrays.size(), "array"),
+                          static_cast<double>(written_size(a.output)) / 1e6));
   std::vector<std::string> arrays;
   arrays.reserve(fitted.arrays.size());
   for (const DatasetArray& array : fitted.arrays) arrays.push_back(printable(array.name));
-  console.say_json({{"input", volume.json()},
-                    {"by_degree", by_degree},
-                    {"output", {{"file", a.output}, {"arrays", arrays}, {"samples", samples}}}});
+  console.say_json({{"input", json_of_volume(a.input, volume, console.progress())},
+                    {"by_degree", r.by_degree},
+                    {"output", {{"file", a.output}, {"arrays", arrays}, {"samples", r.samples}}}});
   console.print_timings();
 }
 
@@ -58,7 +59,7 @@ Command add_volume_fit(CommandLine& volume) {
   auto a = std::make_shared<VolumeFitArguments>();
   add_volume_input(c, a->input);
   c.add_option("-o,--output", a->output, "Fitted volume to write: .smv").type_name("FILE").required();
-  c.add_flag("--all", a->all, "Keep the other arrays as well, for other reconstructions and to carry along");
+  add_schema(c, a->options);
   c.footer(
       std::string(kReadableVolumes) +
       "\n\nThe file holds the samples and the coefficients of the reconstruction: every command takes it in place of "

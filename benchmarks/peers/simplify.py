@@ -1,5 +1,5 @@
 """simplify.py MESH.ply OUTPUT_FOLDER: a tenth of the triangles by Open3D's and VTK's decimations, defaults otherwise; prints the CPU seconds of
-the decimation alone, best of three. `sansmesh evaluate` of what it writes gives the distances."""
+the decimation alone, best of three. `sansmesh assess` of what it writes gives the distances."""
 import pathlib
 import resource
 import sys

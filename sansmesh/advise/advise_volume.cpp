@@ -39,7 +39,7 @@ std::vector<VolumeRecommendation> advise_volume(const VolumeOffer& offer) {
                                   : "the flow does not change: stream lines are what particles do");
   }
   if (offer.values) {
-    const std::string name(info_of(offer.suited.method).name);
+    const std::string& name = offer.suited.method;
     // Surfaces by moving least squares weigh samples by their values: noise and coarse edges do them less harm.
     // On other grids than lattices their layers fall apart where cells are flat (docs/methods/volume-surfaces.md).
     const bool by_samples = offer.lattice && !(offer.traits.resolved() && offer.traits.edges_resolved());

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/dataset/choose_reconstruction.h"
+#include "sansmesh/volume/choose_reconstruction.h"
 #include "sansmesh/volume/volume_traits.h"
 
 namespace sansmesh {

@@ -29,7 +29,7 @@ struct FittedVolume {
   std::shared_ptr<const SampledVolume> volume;
   std::vector<DatasetArray> arrays;         ///< that are kept, each one of `volume` (which may have more)
   std::string array;                        ///< the one that was reconstructed, one of them
-  ReconstructionOptions options;            ///< as they were asked for
+  ReconstructionOptions options;            ///< as they were asked for; with a method
   ReconstructionOptions chosen;             ///< with what was chosen from the data
   ReconstructionCoefficients coefficients;  ///< empty for methods that have none
 

@@ -3,6 +3,8 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -15,22 +17,57 @@
 namespace sansmesh {
 namespace {
 
-constexpr std::size_t kUsualSize = 128, kMostSize = 4096, kMostAxis = 65536;
+constexpr std::size_t kMostSize = 4096, kMostAxis = 65536;
 /// Points asked for at a time.
 constexpr std::size_t kBatch = std::size_t{1} << 19;
 /// Points along an edge of a brick.
 constexpr std::size_t kTogether = 12;
 
 std::array<std::size_t, 3> sizes_of(const Vec3& extent, const ResampleOptions& options) {
-  if (options.sizes) return *options.sizes;
+  if (options.size.size() == 3) return {options.size[0], options.size[1], options.size[2]};
   const double longest = std::max({extent.x, extent.y, extent.z});
-  const std::size_t size = options.size.value_or(kUsualSize);
+  const std::size_t size = options.size[0];
   const double step = longest / static_cast<double>(size - 1);
   std::array<std::size_t, 3> sizes{};
   for (std::size_t k = 0; k < 3; ++k)
     sizes[k] = step > 0 ? 1 + index_in<std::size_t>(std::round(extent[k] / step), 0, size - 1) : 1;
   return sizes;
 }
+
+struct CountWords {
+  static constexpr auto kind = OptionKind::numbers;
+  static constexpr int count = 0;
+  static OptionValue get(const std::vector<std::size_t>& sizes) {
+    return std::vector<double>(sizes.begin(), sizes.end());
+  }
+  static std::vector<std::size_t> from(const OptionValue& value) {
+    std::vector<std::size_t> sizes;
+    for (const double n : std::get<std::vector<double>>(value)) {
+      if (!(n >= 1 && n <= kMostAxis && n == std::floor(n)))
+        throw ArgumentError(ArgumentFault{.field = {},
+                                          .value = fmt::format("{}", n),
+                                          .allowed = fmt::format("whole numbers from 1 to {}", kMostAxis),
+                                          .remedy = {}});
+      sizes.push_back(static_cast<std::size_t>(n));
+    }
+    return sizes;
+  }
+};
+
+struct OutsideWords {
+  static constexpr auto kind = OptionKind::text;
+  static OptionValue get(double v) { return std::isnan(v) ? std::string("nan") : fmt::format("{}", v); }
+  static double from(const OptionValue& value) {
+    const auto& word = std::get<std::string>(value);
+    if (word == "nan") return std::numeric_limits<double>::quiet_NaN();
+    double number = 0;
+    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(number))
+      throw ArgumentError(
+          ArgumentFault{.field = {}, .value = printable(word, 60), .allowed = "a number, or nan", .remedy = {}});
+    return number;
+  }
+};
 
 /// Results are floats. Throws DataError where finite numbers overflow, or all of them vanish.
 void check_floats(const std::string& name, double largest) {
@@ -42,14 +79,26 @@ void check_floats(const std::string& name, double largest) {
 
 }  // namespace
 
+const OptionSchema& ResampleOptions::schema() {
+  using O = ResampleOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::size, CountWords>({.text = "Points along the longest side, or along x, y and z", .unit = "n [n n]"}),
+      option<&O::box>({.text = "Only this box: x0,y0,z0,x1,y1,z1", .unit = "box", .from_data = "that of the volume"}),
+      option<&O::gradients>({.text = "Also the gradients, as NAME_gradient (.vti)"}),
+      option<&O::outside, OutsideWords>({.text = "Values where the volume is not: a number, or nan", .unit = "value"}),
+  };
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void ResampleOptions::validate() const {
-  if (size && sizes) throw ArgumentError("`size` is one number or three");
-  if (size && (*size < 2 || *size > kMostSize))
-    throw ArgumentError(fmt::format("`size` must lie in 2..{}, not be {}", kMostSize, *size));
-  if (sizes)
-    for (const std::size_t n : *sizes)
-      if (n < 1 || n > kMostAxis)
-        throw ArgumentError(fmt::format("`size` along an axis must lie in 1..{}, not be {}", kMostAxis, n));
+  validate_options(*this);
+  if (size.size() != 1 && size.size() != 3) throw ArgumentError("`size` is one number or three");
+  for (const std::size_t n : size)
+    if (size.size() == 1 && (n < 2 || n > kMostSize))
+      throw ArgumentError(fmt::format("`size` must lie in 2..{}, not be {}", kMostSize, n));
+    else if (n < 1 || n > kMostAxis)
+      throw ArgumentError(fmt::format("`size` along an axis must lie in 1..{}, not be {}", kMostAxis, n));
   if (box && (!is_finite(box->lower) || !is_finite(box->upper) || box->empty()))
     throw ArgumentError("`box`: its lower corner must lie below its upper one");
 }

@@ -59,15 +59,15 @@ std::string names_of(const std::vector<DatasetArray>& arrays) {
   return names;
 }
 
-/// Whether what is asked for is what a fitted volume holds; what is absent may be anything.
+/// Whether what is asked for is what a fitted volume holds; what is absent may be anything, the method too.
 bool is_held(const FittedVolume& fitted, const std::string& array, const ReconstructionOptions& asked) {
+  if (array != fitted.array || !asked.method) return array == fitted.array;
   const ReconstructionOptions& held = fitted.chosen;
   const auto same = [](const auto& wanted, const auto& there) { return !wanted || wanted == there; };
-  return array == fitted.array && asked.method == held.method && same(asked.degree, held.degree) &&
-         same(asked.iterations, held.iterations) && same(asked.shape, held.shape) && same(asked.order, held.order) &&
-         same(asked.radius, held.radius) && same(asked.robust, held.robust) &&
-         (!asked.spherical || *asked.spherical == held.spherical.value_or(false)) && asked.b == held.b &&
-         asked.c == held.c;
+  return asked.method == held.method && same(asked.degree, held.degree) && same(asked.iterations, held.iterations) &&
+         same(asked.shape, held.shape) && same(asked.order, held.order) && same(asked.radius, held.radius) &&
+         same(asked.robust, held.robust) && (!asked.spherical || *asked.spherical == held.spherical.value_or(false)) &&
+         asked.b == held.b && asked.c == held.c;
 }
 
 }  // namespace
@@ -173,6 +173,7 @@ std::shared_ptr<const VolumeField> VolumeDataset::field(const ArrayChoice& choic
 std::unique_ptr<VolumeField> VolumeDataset::reconstruct(const std::string& array, const ReconstructionOptions& options,
                                                         Progress& progress, ReconstructionReport& report,
                                                         ReconstructionCoefficients& kept) {
+  options.validate();
   const auto samples = volume(array, progress);
   if (!fitted_ || !is_held(*fitted_, array, options))
     return reconstruct_volume(samples, array, options, progress, &report, &kept);
@@ -192,6 +193,7 @@ FittedVolume VolumeDataset::fit(const std::string& array, const ReconstructionOp
   result.volume = volume(array, progress);
   result.array = array;
   result.options = fitted_ && is_held(*fitted_, array, options) ? fitted_->options : options;
+  result.options.method = told.options.method;
   result.chosen = told.options;
   for (const DatasetArray& a : arrays_)
     if (all ? a.of == chosen.of && result.volume->attributes.find(a.name) : a.name == array && a.of == chosen.of)

@@ -23,6 +23,8 @@ struct ArrayChoice {
   std::string array;
   std::optional<std::size_t> component;  ///< one of several; else all
   bool magnitude = false;                ///< of the vector
+
+  bool operator==(const ArrayChoice&) const = default;
 };
 
 class VolumeDataset {
@@ -46,9 +48,10 @@ class VolumeDataset {
   /// Those that the array belongs to.
   std::shared_ptr<const SampledVolume> volume(const std::string& array, Progress& progress);
 
-  /// The reconstruction of an array, of all its components or of what was chosen. Throws as reconstruct_volume.
-  /// Where that is the reconstruction that a fitted volume holds (the same method and array, and whatever is set the
-  /// same as what it was made with), nothing is fitted, and the field is the same to the bit.
+  /// The reconstruction of an array, of all its components or of what was chosen. Throws as reconstruct_volume. Without
+  /// a method it is the one that a fitted volume holds, or else suits the array (choose_reconstruction). Where that is
+  /// the reconstruction that a fitted volume holds (the same method and array, and whatever is set the same as what it
+  /// was made with), nothing is fitted, and the field is the same to the bit.
   std::shared_ptr<const VolumeField> field(const ArrayChoice& choice, const ReconstructionOptions& options,
                                            Progress& progress, ReconstructionReport* report = nullptr);
 

@@ -56,7 +56,7 @@ Json json_if(const std::optional<T>& value) {
 }
 
 Json json_of(const ReconstructionOptions& o) {
-  return {{"method", info_of(o.method).name},
+  return {{"method", *o.method},
           {"degree", json_if(o.degree)},
           {"iterations", json_if(o.iterations)},
           {"shape", json_if(o.shape)},
@@ -78,7 +78,7 @@ ReconstructionOptions reconstruction_of(const ReadJson& json) {
     return j.is_null() ? std::nullopt : std::optional(real_of(j));
   };
   ReconstructionOptions o;
-  o.method = reconstruction_of_name(json.at("method").get<std::string>());
+  o.method = std::string(volume_method(json.at("method").get<std::string>()).name);
   o.degree = whole("degree");
   o.iterations = whole("iterations");
   o.shape = real("shape");
@@ -117,6 +117,7 @@ VolumeFacts facts_of(const ReadJson& json) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   VolumeFacts f;
   f.grid = line_of(json.at("grid"));
+  f.unstructured = f.grid == "unstructured";  // the file has no other word of it
   f.blocks = count_of(json.at("blocks"));
   f.levels = count_of(json.at("levels"));
   f.points = count_of(json.at("points"));
@@ -272,9 +273,9 @@ const DatasetArray& reconstructed(const FittedVolume& fitted) {
 
 void check_fitted(const FittedVolume& fitted) {
   const DatasetArray& array = reconstructed(fitted);
-  if (has_coefficients(fitted.chosen.method) == fitted.coefficients.empty())
+  if (volume_method(*fitted.chosen.method).fits == fitted.coefficients.empty())
     throw DataError("its coefficients are not those of its reconstruction");
-  if (!fitted.coefficients.empty()) fitted.coefficients.check(*fitted.volume, array.components, fitted.chosen.method);
+  if (!fitted.coefficients.empty()) fitted.coefficients.check(*fitted.volume, array.components, *fitted.chosen.method);
 }
 
 void add_samples(const SampledVolume& volume, std::vector<FileSection>& sections) {

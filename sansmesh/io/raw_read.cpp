@@ -63,7 +63,7 @@ GridData read_raw(const Input& in, const RawLayout& layout) {
     if (!(layout.spacing[k] > 0) || !std::isfinite(layout.spacing[k]))
       throw ArgumentError("`spacing` must be greater than 0");
   }
-  if (layout.components < 1) throw ArgumentError("`components` must be at least 1");
+  if (layout.components < 1) throw ArgumentError("`raw_components` must be at least 1");
   const std::uint64_t count = checked_product(in, {layout.dims[0], layout.dims[1], layout.dims[2], layout.components});
   const std::uint64_t needed = count * size_of(layout.type);
   const auto size = [&] {

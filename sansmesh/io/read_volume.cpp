@@ -128,9 +128,9 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
   const io::FileContent content(file);
   const Input in{file, content.bytes(), report};
   const auto only_step = [&] { io::check_time_step(file, options.time_step, 1); };
-  if (options.raw) {
+  if (options.raw.given()) {
     only_step();
-    return io::read_raw(in, *options.raw);
+    return io::read_raw(in, options.raw);
   }
   const std::string xml_type = vtk_xml_type(in);
   const auto by_vtk = [&](io::VtkFormat format) {
@@ -266,14 +266,14 @@ GridData read_whole(const std::string& file, const VolumeReadOptions& options, R
 }  // namespace
 
 GridData read_volume(const std::string& file, const VolumeReadOptions& options, ReadReport* report) {
-  options.fill.validate();
+  options.validate();
   ReadReport own;
   return with_fill_values(read_whole(file, options, report ? *report : own), options.fill);
 }
 
 GridData read_volumes(const std::vector<std::string>& files, const VolumeReadOptions& options, ReadReport* report) {
   if (files.empty()) throw ArgumentError("read_volumes: no files");
-  options.fill.validate();
+  options.validate();
   ReadReport own;
   ReadReport& all_report = report ? *report : own;
   all_report = {};

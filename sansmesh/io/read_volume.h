@@ -1,24 +1,14 @@
 // Volumes in: files of grids, images and scattered points as blocks of points, cells and arrays.
 #pragma once
 
-#include <cstddef>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "sansmesh/data/grid_data.h"
-#include "sansmesh/io/fill_values.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/io/raw_layout.h"
+#include "sansmesh/io/volume_read_options.h"
 
 namespace sansmesh {
-
-struct VolumeReadOptions {
-  std::optional<RawLayout> raw;  ///< read the file as that, whatever its name
-  std::size_t time_step = 0;     ///< of files that hold several, from 0; others have only that one
-  std::string solution;          ///< PLOT3D: file of the values; empty: looked for beside the grid's
-  FillValueOptions fill;         ///< numbers that stand for missing ones become NaN; the notes say which
-};
 
 /// The volume that a file holds (docs/formats/volumes.md). The format follows from the ending and the content:
 /// MetaImage

@@ -31,8 +31,9 @@ DeformationMapResult deformation_map(const Deformation& deformation, const Box3&
   if (!is_finite(before.lower) || !is_finite(before.upper) || before.empty())
     throw ArgumentError("`displacement_map` needs an input that ends somewhere, for its box");
   const DeformationMaps maps = deformation.at(1);
-  const Box3 box =
-      options.box.value_or(with_room(box_before(*maps.backward, before, deformation.box_of(maps, before)), kMapMargin));
+  const Box3 box = options.box ? *options.box : naming_thing(name, [&] {
+    return with_room(box_before(*maps.backward, before, deformation.box_of(maps, before)), kMapMargin);
+  });
   DisplacementMap map =
       displacement_map(*maps.backward, box,
                        lattice_sizes(box, static_cast<std::size_t>(options.nodes.value_or(kUsualMapNodes))), progress);

@@ -26,6 +26,7 @@
 #include "sansmesh/jobs/deform_options.h"
 #include "sansmesh/jobs/deformation.h"
 #include "sansmesh/jobs/solid_model.h"
+#include "sansmesh/jobs/volume_model.h"
 #include "sansmesh/measure/section.h"
 #include "sansmesh/mesh/deformed_mesh.h"
 #include "sansmesh/meshing/mesh_csg.h"
@@ -61,7 +62,7 @@ struct DeformResult {
 };
 
 /// A cloud, or a mesh, which is opened along cuts first. `name` stands in notes. Throws ArgumentError for bad options,
-/// DataError where there is nothing to draw, Cancelled.
+/// DataError that begins with the name where there is nothing to draw, Cancelled.
 DeformResult deform(const PointSet& points, const std::string& name, const Deformation& deformation, DeformAim aim,
                     const DeformOptions& options, const UsePose& use, Progress& progress);
 /// A solid, as a field that is never sampled before it is deformed. Of a function whose surface bounds no solid the
@@ -77,7 +78,12 @@ struct DeformableVolume {
   std::vector<std::string> arrays;                         ///< their names
 };
 
-/// A volume, resampled or seen through the deformation. The same errors, and DataError where values do not fit into
+/// Of a volume the array that it was opened with, for pictures as a scalar, or `all` arrays of the same samples. Throws
+/// as VolumeModel::field.
+DeformableVolume deformable_volume(VolumeModel& volume, DeformAim aim, bool all, Progress& progress,
+                                   std::vector<Note>& notes);
+
+/// A volume, resampled or seen through the deformation. The same errors, and where values do not fit into
 /// floats or nothing comes to be anywhere.
 DeformResult deform(const DeformableVolume& volume, const Deformation& deformation, DeformAim aim,
                     const DeformOptions& options, const UsePose& use, Progress& progress);

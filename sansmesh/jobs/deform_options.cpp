@@ -1,6 +1,6 @@
 #include "sansmesh/jobs/deform_options.h"
 
-#include <cmath>
+#include <span>
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/meshing/mesh_csg.h"
@@ -16,7 +16,9 @@ CsgMeshOptions solid_options(const DeformOptions& o) {
 
 const OptionSchema& DeformOptions::schema() {
   using O = DeformOptions;
-  static constexpr OptionRow rows[] = {
+  // Of those of a lattice `box` stands here for all that is deformed; gradients are none of the volume's own.
+  const std::span<const OptionRow> lattice = ResampleOptions::schema().rows;
+  static const OptionRow rows[] = {
       option<&O::frames>({.text = "So many poses from before to after, NAME_000.*, …: handles go straight, those of a "
                                   "group turn",
                           .range = {2, 100000}}),
@@ -36,17 +38,14 @@ const OptionSchema& DeformOptions::schema() {
                           .from_data = "three through the middle",
                           .name = "plane"}),
       option<&O::box>({.text = "After the deformation: cut off at, or resampled in this box: x0,y0,z0,x1,y1,z1"}),
-      option<&O::size>({.text = "Points along the longest side, or along x, y and z",
-                        .unit = "n [n n]",
-                        .from_data = "128",
-                        .range = {1, 65536}}),
-      option<&O::nan>({.text = "Values outside of the volume are NaN instead of 0"}),
+      option_group<&O::lattice>(lattice.first(1)),
+      option_group<&O::lattice>(lattice.last(1)),
       option<&O::map_nodes>({.text = "Of pictures: nodes along the longest side of the map that they are seen through",
                              .range = {8, 512}}),
       option<&O::exact>({.text = "Straight through the deformation, and of functions without a mesh: slow"}),
       option<&O::draw_handles>({.text = "In pictures: handles as balls, blue before, red after, and their ways"}),
       option<&O::draw_folds>({.text = "In pictures: in red where space is folded"})};
-  static constexpr OptionSchema schema{rows};
+  static const OptionSchema schema{rows};
   return schema;
 }
 
@@ -56,9 +55,7 @@ void DeformOptions::validate(DeformAim aim) const {
   if (aim != DeformAim::picture && draw_handles) throw ArgumentError("`draw_handles` is for pictures");
   if (aim != DeformAim::picture && draw_folds) throw ArgumentError("`draw_folds` is for pictures");
   if (aim != DeformAim::sections && !planes.empty()) throw ArgumentError("`plane` is for sections");
-  if (size.size() > 1 && size.size() != 3) throw ArgumentError("`size` is one number or three");
-  for (const double n : size)
-    if (n != std::floor(n)) throw ArgumentError("`size` must be whole numbers");
+  lattice.validate();
   if (aim == DeformAim::picture) look.validate();
 }
 

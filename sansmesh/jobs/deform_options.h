@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/dataset/resample_volume.h"
 #include "sansmesh/measure/cut_plane.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/render/volume_options.h"
@@ -28,8 +29,7 @@ struct DeformOptions {
   std::vector<CutPlane> planes = {};               ///< of sections; default: three through the middle
   std::optional<Box3> box = {};                    ///< after the deformation: what ends there
 
-  std::vector<double> size = {};  ///< of volumes: points along the longest side, or along x, y and z
-  bool nan = false;               ///< values outside of the volume are NaN, not 0
+  ResampleOptions lattice = {};  ///< of volumes: its `size` and `outside`
 
   /// Of volumes in pictures: nodes along the longest side of the map that they are seen through, 8..512.
   int map_nodes = 96;

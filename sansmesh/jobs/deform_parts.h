@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "sansmesh/core/box.h"
+#include "sansmesh/core/error.h"
 #include "sansmesh/core/note.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/image.h"
@@ -29,6 +30,16 @@ class FoldWatch {
  private:
   FoldReport worst_;
 };
+
+/// Calls; errors of the data get the name of what is deformed in front.
+template <class Call>
+auto naming_thing(const std::string& name, Call call) {
+  try {
+    return call();
+  } catch (const DataError& error) {
+    throw DataError(printable(name, 200) + ": " + error.what());
+  }
+}
 
 void add_corners(const Box3& box, std::vector<Vec3>& places);
 void add_vertices(const TriangleMesh& mesh, std::vector<Vec3>& places);

@@ -216,7 +216,7 @@ DeformResult deform(const SolidModel& solid, const Deformation& deformation, Def
   options.validate(aim);
   if (options.refine) throw ArgumentError("`refine` is for meshes: functions are cut out as fine as they need");
   SolidPoses poses(solid, deformation, aim, options, progress);
-  for (int k = 0; k < options.poses(); ++k) use(k, poses.at(k));
+  for (int k = 0; k < options.poses(); ++k) use(k, naming_thing(solid.expression, [&] { return poses.at(k); }));
   return poses.result();
 }
 

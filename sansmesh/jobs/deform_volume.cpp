@@ -1,7 +1,6 @@
 // Volumes, resampled or drawn through a deformation.
 #include <algorithm>
 #include <array>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -82,7 +81,8 @@ class VolumePoses {
   GridBlock resampled(int k) {
     const DeformationMaps maps = deformation_.at(options_.share(k));
     folds_.look(*maps.backward, box_at(maps), progress_);
-    ResampleOptions options = resample_options();
+    ResampleOptions options = options_.lattice;
+    options.box = options_.box;
     GridBlock block;
     for (std::size_t i = 0; i < volume_.fields.size(); ++i) {
       const auto& field = volume_.fields[i];
@@ -145,17 +145,6 @@ class VolumePoses {
     return image;
   }
 
-  ResampleOptions resample_options() const {
-    ResampleOptions options;
-    const auto whole = [&](std::size_t k) { return static_cast<std::size_t>(options_.size[k]); };
-    if (options_.size.size() == 1) options.size = whole(0);
-    if (options_.size.size() == 3) options.sizes = {whole(0), whole(1), whole(2)};
-    options.box = options_.box;
-    if (options_.nan) options.outside = std::numeric_limits<double>::quiet_NaN();
-    options.validate();
-    return options;
-  }
-
   DeformResult result() {
     folds_.add_note(volume_.name, result_.notes);
     result_.report.folds = folds_.worst();
@@ -190,6 +179,22 @@ class VolumePoses {
 
 }  // namespace
 
+DeformableVolume deformable_volume(VolumeModel& volume, DeformAim aim, bool all, Progress& progress,
+                                   std::vector<Note>& notes) {
+  DeformableVolume found{volume.name(), volume.samples(progress), {}, {}};
+  const auto add = [&](const ArrayChoice& choice, const std::string& name) {
+    found.fields.push_back(volume.field(choice, progress, notes));
+    found.arrays.push_back(name);
+  };
+  if (!all) {
+    add(aim == DeformAim::picture ? volume.as_scalar(volume.choice()) : volume.choice(), volume.array_name());
+    return found;
+  }
+  for (const DatasetArray& array : volume.dataset().arrays())
+    if (volume.dataset().volume(array.name, progress) == found.samples) add({array.name, {}, false}, array.name);
+  return found;
+}
+
 DeformResult deform(const DeformableVolume& volume, const Deformation& deformation, DeformAim aim,
                     const DeformOptions& options, const UsePose& use, Progress& progress) {
   options.validate(aim);
@@ -197,13 +202,12 @@ DeformResult deform(const DeformableVolume& volume, const Deformation& deformati
   if (aim == DeformAim::sections)
     throw ArgumentError("sections are of functions: a value of one of its quantities is a surface of a volume");
   VolumePoses poses(volume, deformation, options, progress);
-  poses.resample_options();  // what is wrong with them is told before long work
-  if (aim == DeformAim::picture) poses.choose_look();
-  for (int k = 0; k < options.poses(); ++k)
-    if (aim == DeformAim::picture)
-      use(k, poses.picture(k));
-    else
-      use(k, poses.resampled(k));
+  if (aim == DeformAim::picture) naming_thing(volume.name, [&] { poses.choose_look(); });
+  const auto pose_at = [&](int k) -> DeformedPose {
+    if (aim == DeformAim::picture) return poses.picture(k);
+    return poses.resampled(k);
+  };
+  for (int k = 0; k < options.poses(); ++k) use(k, naming_thing(volume.name, [&] { return pose_at(k); }));
   return poses.result();
 }
 

@@ -12,6 +12,7 @@
 #include "sansmesh/function/function_solid.h"
 #include "sansmesh/function/mesh_solid.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/volume_model.h"
 
 namespace sansmesh {
 namespace {
@@ -22,16 +23,18 @@ constexpr double kOpenShare = 0.01;
 /// Reads what an expression names, each file once.
 class SolidReader {
  public:
-  SolidReader(const OpenIsosurface& isosurface, Progress& progress) : isosurface_(isosurface), progress_(progress) {}
+  explicit SolidReader(Progress& progress) : progress_(progress) {}
 
   std::vector<std::string> files;
   std::map<std::string, std::shared_ptr<const SurfaceFunction>> functions;
   std::vector<Note> notes;
 
   Solid solid(const std::string& name) {
-    if (const auto isosurface = parse_isosurface_name(name)) {
+    if (const auto named = parse_isosurface_name(name)) {
       files.push_back(name);
-      return isosurface_solid(isosurface_(*isosurface));
+      VolumeModel volume = open_volume({named->file}, {.array = named->array}, progress_);
+      for (Note& note : volume.notes()) notes.push_back(std::move(note));
+      return isosurface_solid(volume.isosurface(named->value, progress_, notes));
     }
     return is_function_file(name) ? function_solid(function(name)) : mesh(name, false);
   }
@@ -81,7 +84,6 @@ class SolidReader {
     return to_mesh(std::move(points));
   }
 
-  const OpenIsosurface& isosurface_;
   Progress& progress_;
   std::map<std::string, TriangleMesh> meshes_;
 };
@@ -113,9 +115,9 @@ bool is_open(const SurfaceFunction& function) {
   return fitted.open_area > kOpenShare * fitted.area;
 }
 
-SolidModel read_solid(const std::string& expression, const OpenIsosurface& isosurface, Progress& progress) {
+SolidModel read_solid(const std::string& expression, Progress& progress) {
   progress.begin("read");
-  SolidReader reader(isosurface, progress);
+  SolidReader reader(progress);
   Solid solid = parse_csg(
       expression, [&](const std::string& name) { return reader.solid(name); },
       [&](const std::string& name) { return reader.distance(name); });

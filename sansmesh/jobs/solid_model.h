@@ -1,7 +1,6 @@
 // A solid from an expression of functions, meshes, volumes and primitives, with all that it needs.
 #pragma once
 
-#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -10,8 +9,6 @@
 #include "sansmesh/core/note.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/csg/solid.h"
-#include "sansmesh/dataset/isosurface.h"
-#include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
 
@@ -22,7 +19,7 @@ struct SolidModel {
   Solid solid;
   std::vector<std::string> files;                                           ///< that the expression names
   std::map<std::string, std::shared_ptr<const SurfaceFunction>> functions;  ///< those of them that are functions
-  std::vector<Note> notes;  ///< "read": of readers; "mesh_solid": what was done to a mesh
+  std::vector<Note> notes;  ///< "read", "volume", "reconstruction": of files; "mesh_solid": what was done to a mesh
 
   /// Which parts of its mesh to keep where nobody says: functions of scans may have small sheets far from their
   /// surface.
@@ -36,10 +33,8 @@ struct SolidModel {
 /// Whether so much of a function's surface bounds no solid that a user should know.
 bool is_open(const SurfaceFunction& function);
 
-/// Makes the surface that a name FILE[ARRAY=VALUE] stands for.
-using OpenIsosurface = std::function<std::shared_ptr<const Isosurface>(const IsosurfaceName&)>;
-
-/// Function files, isosurfaces (data.vtu[Temp=300]) and what parse_csg knows. Throws FileError, ArgumentError.
-SolidModel read_solid(const std::string& expression, const OpenIsosurface& isosurface, Progress& progress);
+/// Function files, isosurfaces (data.vtu[Temp=300]) and what parse_csg knows. Throws FileError, ArgumentError,
+/// DataError that begins with the name of a volume.
+SolidModel read_solid(const std::string& expression, Progress& progress);
 
 }  // namespace sansmesh

@@ -262,9 +262,7 @@ class AmlsBlend final : public GroupedField {
 
 }  // namespace
 
-bool has_linear_share(const SampledVolume& volume) {
-  return !blends_supports(volume, ReconstructionMethod::mls_detail);
-}
+bool has_linear_share(const SampledVolume& volume) { return !blends_supports(volume, "mls-detail"); }
 
 std::unique_ptr<VolumeField> make_amls_blend(std::shared_ptr<const SampledVolume> volume,
                                              std::shared_ptr<const VolumeLocator> locator, LocalPolynomials polynomials,

@@ -11,9 +11,9 @@
 #include "sansmesh/volume/amls_choice.h"
 #include "sansmesh/volume/amls_system.h"
 #include "sansmesh/volume/lattice_polynomials.h"
-#include "sansmesh/volume/reconstruction_makers.h"
 #include "sansmesh/volume/star_metric.h"
 #include "sansmesh/volume/support_blend.h"
+#include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {
 namespace {
@@ -65,7 +65,7 @@ ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const Amls
 
 }  // namespace
 
-std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
   const int order = input.options.order.value_or(2);
   const AmlsShape phi = AmlsShape::of_order(order);
   ReconstructionCoefficients& fitted = input.coefficients;
@@ -81,5 +81,20 @@ std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
   return make_amls_blend(std::move(input.volume), std::move(locator), fitted.polynomials, fitted.radii,
                          std::move(input.values), phi);
 }
+
+namespace {
+
+constexpr std::string_view kAmlsUses[] = {"iterations", "shape", "order", "spherical"};
+constexpr VolumeMethod kAmlsMethods[] = {
+    {.name = "amls",
+     .summary = "approximate moving least squares: ellipsoidal, normalised, iterated; the fastest smooth one",
+     .grids = "all",
+     .make = make_amls_field,
+     .uses = kAmlsUses,
+     .fits = true}};
+
+}  // namespace
+
+std::span<const VolumeMethod> amls_field_methods() { return kAmlsMethods; }
 
 }  // namespace sansmesh

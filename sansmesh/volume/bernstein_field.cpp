@@ -11,8 +11,8 @@
 #include "sansmesh/volume/cell_tetrahedra.h"
 #include "sansmesh/volume/corner_volume.h"
 #include "sansmesh/volume/pointwise_field.h"
-#include "sansmesh/volume/reconstruction_makers.h"
 #include "sansmesh/volume/sample_gradients.h"
+#include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {
 namespace detail {
@@ -169,7 +169,7 @@ class BernsteinLattice final : public PointwiseField {
 
 }  // namespace detail
 
-std::unique_ptr<VolumeField> make_bernstein_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_bernstein_field(ReconstructionInput input) {
   using namespace detail;
   CornerSamples corners = corner_samples(std::move(input.volume), std::move(input.values));
   if (corners.volume->lattice)
@@ -178,5 +178,16 @@ std::unique_ptr<VolumeField> make_bernstein_field(ReconstructionInput input) {
   return std::make_unique<BernsteinTetrahedra>(tetrahedra_of(corners.volume).volume, std::move(corners.values),
                                                std::move(slopes));
 }
+
+namespace {
+
+constexpr VolumeMethod kBernsteinMethods[] = {{.name = "bernstein",
+                                               .summary = "cubic splines in Bernstein–Bézier form on tetrahedra",
+                                               .grids = "all",
+                                               .make = make_bernstein_field}};
+
+}  // namespace
+
+std::span<const VolumeMethod> bernstein_field_methods() { return kBernsteinMethods; }
 
 }  // namespace sansmesh

@@ -8,9 +8,9 @@
 #include "sansmesh/volume/cell_blend.h"
 #include "sansmesh/volume/lattice_polynomials.h"
 #include "sansmesh/volume/local_polynomials.h"
-#include "sansmesh/volume/reconstruction_makers.h"
 #include "sansmesh/volume/support_blend.h"
 #include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {
 namespace {
@@ -47,7 +47,7 @@ class StoredCornerPolynomials final : public CornerPolynomials {
 
 }  // namespace
 
-std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
   LocalPolynomialOptions local;
   ReconstructionOptions& chosen = input.report.options;
   local.fit.max_degree = input.options.degree.value_or(3);
@@ -57,7 +57,7 @@ std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
   ReconstructionCoefficients& fitted = input.coefficients;
   if (fitted.empty()) {
     fitted.polynomials = fit_polynomials(*input.volume, input.values, local, input.progress);
-    if (blends_supports(*input.volume, ReconstructionMethod::mls_detail))
+    if (blends_supports(*input.volume, "mls-detail"))
       fitted.radii = support_radii(*input.volume, fitted.polynomials, 1);
   }
   const LocalPolynomials& polynomials = fitted.polynomials;
@@ -70,10 +70,25 @@ std::unique_ptr<VolumeField> make_mls_detail_field(ReconstructionInput input) {
                     "disagree, and the result is hardly better than linear interpolation there",
                     100.0 * static_cast<double>(doubtful) / static_cast<double>(polynomials.size())));
   auto locator = std::make_shared<const VolumeLocator>(*input.volume);
-  if (blends_supports(*input.volume, ReconstructionMethod::mls_detail))
+  if (blends_supports(*input.volume, "mls-detail"))
     return make_support_blend(std::move(input.volume), std::move(locator), polynomials, fitted.radii, input.values);
   auto stored = std::make_unique<StoredCornerPolynomials>(input.volume, polynomials, std::move(input.values));
   return make_cell_blend(std::move(input.volume), std::move(locator), std::move(stored));
 }
+
+namespace {
+
+constexpr std::string_view kMlsDetailUses[] = {"degree", "robust"};
+constexpr VolumeMethod kDetailMethods[] = {
+    {.name = "mls-detail",
+     .summary = "robust polynomials about samples, of the degree that predicts best, blended",
+     .grids = "all",
+     .make = make_mls_detail_field,
+     .uses = kMlsDetailUses,
+     .fits = true}};
+
+}  // namespace
+
+std::span<const VolumeMethod> detail_field_methods() { return kDetailMethods; }
 
 }  // namespace sansmesh

@@ -12,7 +12,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/axis_weights.h"
 #include "sansmesh/volume/pointwise_field.h"
-#include "sansmesh/volume/reconstruction_makers.h"
+#include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {
 namespace detail {
@@ -139,20 +139,20 @@ std::unique_ptr<VolumeField> lattice_field(ReconstructionInput& input, int degre
 }  // namespace
 }  // namespace detail
 
-std::unique_ptr<VolumeField> make_cubic_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_cubic_field(ReconstructionInput input) {
   const Lattice& lattice = detail::lattice_of(*input.volume, "cubic", false);
   return detail::lattice_field<detail::CubicAxis>(input, 3, [&](std::span<const double> knots) {
     return detail::CubicAxis(knots, lattice.uniform, input.options.b, input.options.c);
   });
 }
 
-std::unique_ptr<VolumeField> make_sinc_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_sinc_field(ReconstructionInput input) {
   detail::lattice_of(*input.volume, "sinc", true);
   return detail::lattice_field<detail::SincAxis>(input, 0,
                                                  [](std::span<const double> knots) { return detail::SincAxis(knots); });
 }
 
-std::unique_ptr<VolumeField> make_lagrange_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_lagrange_field(ReconstructionInput input) {
   constexpr int kDegree = 3;
   const Lattice& lattice = detail::lattice_of(*input.volume, "lagrange", false);
   const int degree = input.report.options.degree.emplace(input.options.degree.value_or(kDegree));
@@ -161,5 +161,29 @@ std::unique_ptr<VolumeField> make_lagrange_field(ReconstructionInput input) {
     return detail::LagrangeAxis(knots, lattice.uniform, degree);
   });
 }
+
+namespace {
+
+constexpr std::string_view kCubicUses[] = {"b", "c"};
+constexpr std::string_view kLagrangeUses[] = {"degree"};
+constexpr VolumeMethod kLatticeMethods[] = {
+    {.name = "cubic",
+     .summary = "piecewise cubics of the BC family: Catmull–Rom, B-spline and between",
+     .grids = "uniform and rectilinear",
+     .make = make_cubic_field,
+     .uses = kCubicUses},
+    {.name = "sinc",
+     .summary = "windowed sinc, eight samples in each direction",
+     .grids = "uniform",
+     .make = make_sinc_field},
+    {.name = "lagrange",
+     .summary = "polynomials through samples in each direction",
+     .grids = "uniform and rectilinear",
+     .make = make_lagrange_field,
+     .uses = kLagrangeUses}};
+
+}  // namespace
+
+std::span<const VolumeMethod> lattice_field_methods() { return kLatticeMethods; }
 
 }  // namespace sansmesh

@@ -13,7 +13,7 @@
 #include "sansmesh/volume/cell_interpolant.h"
 #include "sansmesh/volume/point_order.h"
 #include "sansmesh/volume/pointwise_field.h"
-#include "sansmesh/volume/reconstruction_makers.h"
+#include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {
 namespace {
@@ -247,11 +247,24 @@ class NearestField final : public detail::LocatedField {
 
 }  // namespace
 
-std::unique_ptr<VolumeField> make_nearest_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_nearest_field(ReconstructionInput input) {
   return std::make_unique<NearestField>(input);
 }
-std::unique_ptr<VolumeField> make_linear_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_linear_field(ReconstructionInput input) {
   return std::make_unique<LinearField>(input);
 }
+
+namespace {
+
+constexpr VolumeMethod kLinearMethods[] = {
+    {.name = "nearest", .summary = "the value of the nearest sample", .grids = "all", .make = make_nearest_field},
+    {.name = "linear",
+     .summary = "the grid's own: trilinear in hexahedra, barycentric in tetrahedra",
+     .grids = "all",
+     .make = make_linear_field}};
+
+}  // namespace
+
+std::span<const VolumeMethod> linear_field_methods() { return kLinearMethods; }
 
 }  // namespace sansmesh

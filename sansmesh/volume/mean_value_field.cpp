@@ -8,7 +8,7 @@
 #include "sansmesh/volume/corner_volume.h"
 #include "sansmesh/volume/mean_value.h"
 #include "sansmesh/volume/pointwise_field.h"
-#include "sansmesh/volume/reconstruction_makers.h"
+#include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {
 namespace detail {
@@ -85,11 +85,22 @@ class MeanValueField final : public WeightedField {
 
 }  // namespace detail
 
-std::unique_ptr<VolumeField> make_mean_value_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_mean_value_field(ReconstructionInput input) {
   detail::CornerSamples corners = detail::corner_samples(std::move(input.volume), std::move(input.values));
   const detail::TetrahedralVolume cut =
       corners.volume->lattice ? detail::TetrahedralVolume{} : detail::tetrahedra_of(corners.volume);
   return std::make_unique<detail::MeanValueField>(std::move(corners), cut);
 }
+
+namespace {
+
+constexpr VolumeMethod kMeanValueMethods[] = {{.name = "mean-value",
+                                               .summary = "mean value coordinates in the cell, convex or not",
+                                               .grids = "all",
+                                               .make = make_mean_value_field}};
+
+}  // namespace
+
+std::span<const VolumeMethod> mean_value_field_methods() { return kMeanValueMethods; }
 
 }  // namespace sansmesh

@@ -16,11 +16,11 @@
 #include "sansmesh/volume/grouped_field.h"
 #include "sansmesh/volume/lattice_polynomials.h"
 #include "sansmesh/volume/mls_kernels.h"
-#include "sansmesh/volume/reconstruction_makers.h"
 #include "sansmesh/volume/sample_stencil.h"
 #include "sansmesh/volume/star_metric.h"
 #include "sansmesh/volume/support_blend.h"
 #include "sansmesh/volume/support_index.h"
+#include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {
 namespace {
@@ -342,7 +342,7 @@ class MlsField final : public GroupedField {
 
 }  // namespace
 
-std::unique_ptr<VolumeField> make_mls_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_mls_field(ReconstructionInput input) {
   const int degree = input.options.degree.value_or(2);
   check_range("degree", degree, 0, LocalPolynomials::kMaxDegree);
   input.report.options.degree = degree;
@@ -359,5 +359,18 @@ std::unique_ptr<VolumeField> make_mls_field(ReconstructionInput input) {
   field->prepare(local, input.progress);
   return field;
 }
+
+namespace {
+
+constexpr std::string_view kMlsUses[] = {"degree", "radius"};
+constexpr VolumeMethod kMlsMethods[] = {{.name = "mls",
+                                         .summary = "moving least squares about each point, ellipsoidal weights",
+                                         .grids = "all",
+                                         .make = make_mls_field,
+                                         .uses = kMlsUses}};
+
+}  // namespace
+
+std::span<const VolumeMethod> mls_field_methods() { return kMlsMethods; }
 
 }  // namespace sansmesh

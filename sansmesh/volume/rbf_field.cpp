@@ -13,8 +13,8 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/pointwise_field.h"
-#include "sansmesh/volume/reconstruction_makers.h"
 #include "sansmesh/volume/sample_supports.h"
+#include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {
 namespace detail {
@@ -317,12 +317,25 @@ class RbfField final : public PointwiseField {
 
 }  // namespace detail
 
-std::unique_ptr<VolumeField> make_rbf_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_rbf_field(ReconstructionInput input) {
   constexpr double kRadius = 2;
   const double radius = input.report.options.radius.emplace(input.options.radius.value_or(kRadius));
   check_range("radius", radius, 1, 3);
   return std::make_unique<detail::RbfField>(std::move(input.volume), std::move(input.values),
                                             detail::reach_of_radius(radius), input.progress);
 }
+
+namespace {
+
+constexpr std::string_view kRbfUses[] = {"radius"};
+constexpr VolumeMethod kRbfMethods[] = {{.name = "rbf",
+                                         .summary = "radial basis functions of compact support, blended",
+                                         .grids = "all",
+                                         .make = make_rbf_field,
+                                         .uses = kRbfUses}};
+
+}  // namespace
+
+std::span<const VolumeMethod> rbf_field_methods() { return kRbfMethods; }
 
 }  // namespace sansmesh

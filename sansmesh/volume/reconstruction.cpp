@@ -11,111 +11,17 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/field/scaled_volume.h"
-#include "sansmesh/volume/reconstruction_makers.h"
+#include "sansmesh/volume/choose_reconstruction.h"
 
 namespace sansmesh {
 namespace {
 
-struct Entry {
-  ReconstructionInfo info;
-  /// Null for names that are kept for methods to come: these are not in the table that others see.
-  std::unique_ptr<VolumeField> (*make)(ReconstructionInput) = nullptr;
-};
-
-using Method = ReconstructionMethod;
-
-/// One entry a method, in the order of the enumerators.
-const std::vector<Entry>& entries() {
-  static const std::vector<Entry> all = {
-      // nearest
-      {{Method::nearest, "nearest", "the value of the nearest sample", "all", {}},  //
-       make_nearest_field},
-
-      // linear
-      {{Method::linear, "linear", "the grid's own: trilinear in hexahedra, barycentric in tetrahedra", "all", {}},  //
-       make_linear_field},
-
-      // shepard
-      {{Method::shepard, "shepard", "inverse squared distances of the samples around", "all", {"radius"}},  //
-       make_shepard_field},
-
-      // sibson
-      {{Method::sibson, "sibson", "natural neighbours: volumes taken from Voronoi cells", "all", {}},  //
-       make_sibson_field},
-
-      // mean-value
-      {{Method::mean_value, "mean-value", "mean value coordinates in the cell, convex or not", "all", {}},  //
-       make_mean_value_field},
-
-      // cubic
-      {{Method::cubic,
-        "cubic",
-        "piecewise cubics of the BC family: Catmull–Rom, B-spline and between",
-        "uniform and rectilinear",
-        {"b", "c"}},  //
-       make_cubic_field},
-
-      // sinc
-      {{Method::sinc, "sinc", "windowed sinc, eight samples in each direction", "uniform", {}},  //
-       make_sinc_field},
-
-      // lagrange
-      {{Method::lagrange,
-        "lagrange",
-        "polynomials through samples in each direction",
-        "uniform and rectilinear",
-        {"degree"}},  //
-       make_lagrange_field},
-
-      // rbf
-      {{Method::rbf, "rbf", "radial basis functions of compact support, blended", "all", {"radius"}},  //
-       make_rbf_field},
-
-      // bernstein
-      {{Method::bernstein, "bernstein", "cubic splines in Bernstein–Bézier form on tetrahedra", "all", {}},  //
-       make_bernstein_field},
-
-      // mls
-      {{Method::mls, "mls", "moving least squares about each point, ellipsoidal weights", "all", {"degree", "radius"}},
-       make_mls_field},
-
-      // mls-detail
-      {{Method::mls_detail,
-        "mls-detail",
-        "robust polynomials about samples, of the degree that predicts best, blended",
-        "all",
-        {"degree", "robust"}},
-       make_mls_detail_field},
-
-      // amls
-      {{Method::amls,
-        "amls",
-        "approximate moving least squares: ellipsoidal, normalised, iterated; the fastest smooth one",
-        "all",
-        {"iterations", "shape", "order", "spherical"}},
-       make_amls_field},
-  };
-  return all;
-}
-
-/// Options that are set and that the method does not heed.
-void check_heeded(const ReconstructionOptions& options, const ReconstructionInfo& info) {
-  const ReconstructionOptions defaults;
-  const std::pair<std::string_view, bool> set[] = {
-      {"degree", options.degree.has_value()},
-      {"iterations", options.iterations.has_value()},
-      {"shape", options.shape.has_value()},
-      {"order", options.order.has_value()},
-      {"radius", options.radius.has_value()},
-      {"robust", options.robust.has_value()},
-      {"b", options.b != defaults.b},
-      {"c", options.c != defaults.c},
-      {"spherical", options.spherical.has_value()},
-  };
-  for (const auto& [name, is_set] : set)
-    if (is_set && std::find(info.options.begin(), info.options.end(), name) == info.options.end())
-      throw ArgumentError(fmt::format("`{}` means nothing to the reconstruction {}", name, info.name));
-  const bool lagrange = info.method == ReconstructionMethod::lagrange;
+/// Options that are set and that the method does not use.
+void check_options(const ReconstructionOptions& options, const VolumeMethod& method) {
+  std::vector<std::string_view> set = options_set(options);
+  std::erase(set, "method");
+  check_used(set, method.uses, set, fmt::format("the reconstruction {}", method.name));
+  const bool lagrange = method.name == "lagrange";
   if (options.degree) check_range("degree", *options.degree, lagrange ? 1 : 0, lagrange ? 5 : 4);
 }
 
@@ -171,27 +77,9 @@ void check_not_lost(const VolumeValues& values, double scale, std::string_view m
 
 }  // namespace
 
-std::span<const ReconstructionInfo> reconstruction_methods() {
-  static const std::vector<ReconstructionInfo> there = [] {
-    std::vector<ReconstructionInfo> infos;
-    for (const Entry& entry : entries())
-      if (entry.make) infos.push_back(entry.info);
-    return infos;
-  }();
-  return there;
-}
-
-const ReconstructionInfo& info_of(ReconstructionMethod method) {
-  return entries()[static_cast<std::size_t>(method)].info;
-}
-
-ReconstructionMethod reconstruction_of_name(std::string_view name) {
-  std::string names;
-  for (const ReconstructionInfo& info : reconstruction_methods()) {
-    if (info.name == name) return info.method;
-    names += (names.empty() ? "" : ", ") + std::string(info.name);
-  }
-  throw ArgumentError("there is no reconstruction '" + printable(name, 60) + "'; those there are: " + names);
+Registry<VolumeMethod>& VolumeMethod::registry() {
+  static Registry<VolumeMethod> methods("reconstruction", own_volume_methods());
+  return methods;
 }
 
 std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
@@ -199,14 +87,17 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
                                                 ReconstructionReport* report,
                                                 ReconstructionCoefficients* coefficients) {
   options.validate();
-  const Entry& entry = entries()[static_cast<std::size_t>(options.method)];
-  if (!entry.make) throw ArgumentError(fmt::format("there is no reconstruction {} here", entry.info.name));
-  check_heeded(options, entry.info);
+  if (options.method) check_options(options, volume_method(*options.method));
   ReconstructionReport own;
   ReconstructionReport& told = report ? *report : own;
   told = {};
   told.options = options;
   VolumeValues values = volume_values(*volume, array);
+  if (!options.method) {
+    ReconstructionChoice suited = choose_reconstruction(*volume, measure_volume_traits(*volume, values, progress));
+    told.options.method = std::move(suited.method), told.why = std::move(suited.why);
+  }
+  const VolumeMethod& method = volume_method(*told.options.method);
   if (!values.filled.empty())
     told.notes.push_back(fmt::format("{} of {} samples have no finite value: filled in from their neighbours",
                                      values.filled.size(), volume->size()));
@@ -215,11 +106,10 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   const std::size_t bytes = bytes_of_samples(*volume) + values.values.size() * sizeof(double);
   // Coefficients and kernels are in float, squares in double: values far from 1 are brought there, and back.
   std::vector<double> factors = used.empty() ? value_scales(values) : used.scales;
-  if (!factors.empty() && factors[0] < 1 && has_coefficients(options.method))
-    check_not_lost(values, factors[0], entry.info.name);
+  if (!factors.empty() && factors[0] < 1 && method.fits) check_not_lost(values, factors[0], method.name);
   values = scaled_values(std::move(values), factors);
   std::unique_ptr<VolumeField> field =
-      entry.make({std::move(volume), std::move(values), options, progress, told, used});
+      method.make({std::move(volume), std::move(values), told.options, progress, told, used});
   if (!used.empty()) used.scales = factors;
   told.bytes = bytes + bytes_of_coefficients(used);
   if (factors.empty()) return field;

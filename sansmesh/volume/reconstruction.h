@@ -1,37 +1,22 @@
-// Reconstructions of volumes by name: the one table that library, command line, help and documentation read.
+// Field of an array of a volume.
 #pragma once
 
 #include <memory>
-#include <span>
 #include <string>
-#include <string_view>
-#include <vector>
 
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/field/volume_field.h"
 #include "sansmesh/volume/reconstruction_coefficients.h"
 #include "sansmesh/volume/reconstruction_options.h"
+#include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {
 
-/// An entry of the table.
-struct ReconstructionInfo {
-  ReconstructionMethod method;
-  std::string_view name;                  ///< as users write it: "mls-detail"
-  std::string_view summary;               ///< a line
-  std::string_view grids;                 ///< on which grids: "all", "uniform and rectilinear"
-  std::vector<std::string_view> options;  ///< fields of ReconstructionOptions that it heeds
-};
-
-/// In the order of the enumerators.
-std::span<const ReconstructionInfo> reconstruction_methods();
-const ReconstructionInfo& info_of(ReconstructionMethod method);
-/// Throws ArgumentError naming all methods.
-ReconstructionMethod reconstruction_of_name(std::string_view name);
-
-/// The field of one array (all its components). `volume` is shared. Throws ArgumentError for options out of range, that
-/// the method does not heed, or a grid that it cannot be used on (naming those that can), DataError as volume_values.
+/// The field of one array (all its components). `volume` is shared. Without a method the one that suits the array is
+/// chosen (choose_reconstruction), and the report says which and why. Throws ArgumentError for options out of range,
+/// that the method does not use, or a grid that it cannot be used on (naming those that can), DataError as
+/// volume_values.
 ///
 /// `coefficients`: those that are empty receive what the method has fitted, if anything. Others are taken in place of a
 /// fit, and must be those of the same volume and array, with the options that the report told then: the field is the

@@ -21,14 +21,9 @@ bool is_metric(const StarMetric& metric) {
 
 }  // namespace
 
-bool has_coefficients(ReconstructionMethod method) {
-  return method == ReconstructionMethod::mls_detail || method == ReconstructionMethod::amls;
-}
-
-bool blends_supports(const SampledVolume& volume, ReconstructionMethod method) {
-  if (method == ReconstructionMethod::amls) return true;
-  return method == ReconstructionMethod::mls_detail && !volume.lattice &&
-         (!volume.cell_sample.empty() || volume.facts.overlapped > 0);
+bool blends_supports(const SampledVolume& volume, std::string_view method) {
+  if (method == "amls") return true;
+  return method == "mls-detail" && !volume.lattice && (!volume.cell_sample.empty() || volume.facts.overlapped > 0);
 }
 
 std::vector<std::size_t> ReconstructionCoefficients::by_degree() const {
@@ -39,7 +34,7 @@ std::vector<std::size_t> ReconstructionCoefficients::by_degree() const {
 }
 
 void ReconstructionCoefficients::check(const SampledVolume& volume, std::size_t components,
-                                       ReconstructionMethod method) const {
+                                       std::string_view method) const {
   const LocalPolynomials& p = polynomials;
   const std::size_t n = volume.size();
   const auto require = [](bool right, const char* what) {

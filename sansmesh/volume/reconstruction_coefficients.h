@@ -2,16 +2,17 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include "sansmesh/core/shared_array.h"
 #include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/volume/local_polynomials.h"
-#include "sansmesh/volume/reconstruction_options.h"
 
 namespace sansmesh {
 
-/// Of mls_detail and amls; the other methods have none, they are quickly set up from the values. Plain arrays that are
+/// Of mls-detail and amls; the other methods have none, they are quickly set up from the values. Plain arrays that are
 /// never changed, in memory or in a mapped file.
 struct ReconstructionCoefficients {
   LocalPolynomials polynomials;  ///< of amls with the iterated constants
@@ -24,14 +25,11 @@ struct ReconstructionCoefficients {
   std::vector<std::size_t> by_degree() const;
   /// Throws DataError unless they are such as `method` has for that volume and an array of so many components: sizes
   /// fit, degrees are those that there are, every number is finite.
-  void check(const SampledVolume& volume, std::size_t components, ReconstructionMethod method) const;
+  void check(const SampledVolume& volume, std::size_t components, std::string_view method) const;
 };
 
-/// Whether the method has coefficients.
-bool has_coefficients(ReconstructionMethod method);
-
-/// Whether the method blends functions of ellipsoidal support about samples (amls always; mls_detail where cells do not
+/// Whether the method blends functions of ellipsoidal support about samples (amls always; mls-detail where cells do not
 /// fit together since blocks overlap, and where samples are corners of none), not polynomials in cells.
-bool blends_supports(const SampledVolume& volume, ReconstructionMethod method);
+bool blends_supports(const SampledVolume& volume, std::string_view method);
 
 }  // namespace sansmesh

@@ -2,50 +2,38 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
-enum class ReconstructionMethod : std::uint8_t {
-  nearest,     ///< the value of the nearest sample
-  linear,      ///< that of the grid itself: trilinear, barycentric, …
-  shepard,     ///< inverse squared distances
-  sibson,      ///< natural neighbours
-  mean_value,  ///< mean value coordinates in the cell
-  cubic,       ///< the BC family; uniform and rectilinear grids
-  sinc,        ///< windowed; uniform grids
-  lagrange,    ///< polynomials through samples in each direction; uniform and rectilinear grids
-  rbf,         ///< radial basis functions of compact support
-  bernstein,   ///< splines in Bernstein–Bézier form on tetrahedra
-  mls,         ///< moving least squares about each point
-  mls_detail,  ///< robust local polynomials of adaptive degree, blended
-  amls         ///< approximate moving least squares: ellipsoidal, normalised, iterated
-};
-
-/// What is absent is chosen from the data.
+/// What is absent is chosen from the data. Without a method nothing else may be set.
 struct ReconstructionOptions {
-  ReconstructionMethod method = ReconstructionMethod::mls_detail;
-  std::optional<int> degree;      ///< mls, mls_detail: highest degree of polynomials, 0..4; lagrange: 1..5
-  std::optional<int> iterations;  ///< amls: times that residuals are added, 0..100
-  std::optional<double> shape;    ///< amls: ε, 0.05..10: small is smooth
-  std::optional<int> order;       ///< amls: 2, 4 or 6
-  std::optional<double> radius;   ///< mls, rbf, shepard: in spacings, 1..10
+  std::optional<std::string> method = {};  ///< a name of VolumeMethod::registry()
+  std::optional<int> degree = {};          ///< mls, mls-detail: highest degree of polynomials, 0..4; lagrange: 1..5
+  std::optional<int> iterations = {};      ///< amls: times that residuals are added, 0..100
+  std::optional<double> shape = {};        ///< amls: ε, 0.05..10: small is smooth
+  std::optional<int> order = {};           ///< amls: 2, 4 or 6
+  std::optional<double> radius = {};       ///< mls, rbf, shepard: in spacings, 1..10
   /// amls: balls about the samples, as wide as their farthest neighbour is away, in place of ellipsoids; for
   /// comparison. Not for lattices (uniform and rectilinear grids), whose supports follow their steps.
-  std::optional<bool> spherical;
-  std::optional<bool> robust;  ///< mls_detail: weights that leave steps between materials sharp
-  double b = 0, c = 0.5;       ///< cubic: B and C, 0..1 each; Catmull–Rom
+  std::optional<bool> spherical = {};
+  std::optional<bool> robust = {};  ///< mls-detail: weights that leave steps between materials sharp
+  double b = 0, c = 0.5;            ///< cubic: B and C, 0..1 each; Catmull–Rom
 
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
 /// What was chosen, and what is worth knowing.
 struct ReconstructionReport {
-  ReconstructionOptions options;       ///< with what was chosen from the data
+  ReconstructionOptions options;       ///< with what was chosen from the data, the method too
+  std::string why;                     ///< the method was chosen: a sentence without its end (choose_reconstruction)
   std::vector<std::string> notes;      ///< "12 samples have no value: they were filled in from their neighbours", …
   std::vector<std::size_t> by_degree;  ///< polynomials of each degree that there are, where there are any
   double noise = 0;                    ///< of the values, where it was estimated (unit of the array)

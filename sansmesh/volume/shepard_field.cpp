@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "sansmesh/volume/pointwise_field.h"
-#include "sansmesh/volume/reconstruction_makers.h"
 #include "sansmesh/volume/sample_supports.h"
+#include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {
 namespace detail {
@@ -72,11 +72,24 @@ class ShepardField final : public WeightedField {
 
 }  // namespace detail
 
-std::unique_ptr<VolumeField> make_shepard_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_shepard_field(ReconstructionInput input) {
   constexpr double kRadius = 2;
   const double radius = input.report.options.radius.emplace(input.options.radius.value_or(kRadius));
   return std::make_unique<detail::ShepardField>(std::move(input.volume), std::move(input.values),
                                                 detail::reach_of_radius(radius));
 }
+
+namespace {
+
+constexpr std::string_view kShepardUses[] = {"radius"};
+constexpr VolumeMethod kShepardMethods[] = {{.name = "shepard",
+                                             .summary = "inverse squared distances of the samples around",
+                                             .grids = "all",
+                                             .make = make_shepard_field,
+                                             .uses = kShepardUses}};
+
+}  // namespace
+
+std::span<const VolumeMethod> shepard_field_methods() { return kShepardMethods; }
 
 }  // namespace sansmesh

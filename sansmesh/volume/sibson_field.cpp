@@ -12,7 +12,7 @@
 #include "sansmesh/volume/convex_cell.h"
 #include "sansmesh/volume/corner_volume.h"
 #include "sansmesh/volume/pointwise_field.h"
-#include "sansmesh/volume/reconstruction_makers.h"
+#include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {
 namespace detail {
@@ -219,9 +219,20 @@ class SibsonField final : public WeightedField {
 
 }  // namespace detail
 
-std::unique_ptr<VolumeField> make_sibson_field(ReconstructionInput input) {
+static std::unique_ptr<VolumeField> make_sibson_field(ReconstructionInput input) {
   detail::CornerSamples all = detail::with_surface_samples(std::move(input.volume), std::move(input.values));
   return std::make_unique<detail::SibsonField>(std::move(all.volume), std::move(all.values));
 }
+
+namespace {
+
+constexpr VolumeMethod kSibsonMethods[] = {{.name = "sibson",
+                                            .summary = "natural neighbours: volumes taken from Voronoi cells",
+                                            .grids = "all",
+                                            .make = make_sibson_field}};
+
+}  // namespace
+
+std::span<const VolumeMethod> sibson_field_methods() { return kSibsonMethods; }
 
 }  // namespace sansmesh

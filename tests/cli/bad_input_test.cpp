@@ -118,7 +118,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"Faces", {"reconstruct", "in.xyz", "-o", "out.ply", "--faces", "both"}, "ignore"},
         Wrong{"Threads", {"reconstruct", "in.xyz", "-o", "out.ply", "--threads", "0"}, "--threads"},
         Wrong{"Neighbours", {"normals", "in.xyz", "-o", "out.ply", "--neighbours", "2"}, "neighbours"},
-        Wrong{"Samples", {"evaluate", "in.xyz", "in.xyz", "--samples", "0"}, "--samples"},
+        Wrong{"Samples", {"assess", "in.xyz", "in.xyz", "--samples", "0"}, "--samples"},
         Wrong{"Width", {"render", "in.xyz", "-o", "out.png", "--width", "0"}, "width"},
         Wrong{"View", {"render", "in.xyz", "-o", "out.png", "--view", "inside"}, "inside"}),
     [](const auto& tested) { return std::string(tested.param.name); });

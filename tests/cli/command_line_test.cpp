@@ -108,13 +108,13 @@ TEST_F(CommandLineTool, ErrorsNameTheOptionAsItWasTyped) {
               "--plane must be like z=0.5 or nx,ny,nz,d with finite numbers, not 'w=1' (see sansmesh help section)");
   expect_line({"mesh", "a.smf", "b.smf", "-o", "x.ply"},
               "'b.smf' is left over: mesh takes one input (see sansmesh help mesh)");
-  expect_line({"eval", "a.smf", "--at", "1,2"},
-              "--at needs 3 numbers with commas between them, not '1,2' (see sansmesh help eval)");
-  expect_line({"eval", "a.smf", "1,2,3"},
-              "'1,2,3' is left over: eval takes one input (did you mean --at 1,2,3?) (see sansmesh help eval)");
-  expect_line({"eval", "a.smf", "--at", "1mm,2,3"},
+  expect_line({"probe", "a.smf", "--at", "1,2"},
+              "--at needs 3 numbers with commas between them, not '1,2' (see sansmesh help probe)");
+  expect_line({"probe", "a.smf", "1,2,3"},
+              "'1,2,3' is left over: probe takes one input (did you mean --at 1,2,3?) (see sansmesh help probe)");
+  expect_line({"probe", "a.smf", "--at", "1mm,2,3"},
               "--at: '1mm,2,3' is not a number: plain numbers are wanted, in the unit of the input "
-              "(see sansmesh help eval)");
+              "(see sansmesh help probe)");
   expect_line(reconstruct + Words{"--trim", "5mm"},
               "--trim: '5mm' is not a number: a plain number is wanted, in the unit of the input" + more);
   expect_line(reconstruct + Words{"--width=5px"},
@@ -295,7 +295,7 @@ TEST_F(CommandLineTool, TheJsonOfEveryCommandHasItsWarnings) {
       {{"reconstruct"}, {"gap.ply", "-o", "x.ply"}},
       {{"convert"}, {"gap.ply", "-o", "x.ply"}},
       {{"normals"}, {"gap.ply", "-o", "x.ply"}},
-      {{"evaluate"}, {"gap.ply", "--samples", "100"}},
+      {{"assess"}, {"gap.ply", "--samples", "100"}},
       {{"info"}, {"gap.ply"}},
       {{"render"}, Words{"gap.ply", "-o", "x.png"} + small},
       {{"project"}, {"gap.ply", "-o", "x.ply"}},
@@ -303,7 +303,7 @@ TEST_F(CommandLineTool, TheJsonOfEveryCommandHasItsWarnings) {
       {{"advise"}, {"gap.ply"}},
       {{"fit"}, {"gap.ply", "-o", "x.smf"}},
       {{"mesh"}, {"ball.smf", "-o", "x.ply"}},
-      {{"eval"}, {"ball.smf", "--at", "0,0,1"}},
+      {{"probe"}, {"ball.smf", "--at", "0,0,1"}},
       {{"edit"}, {"ball.smf", "--script", "edits.json", "-o", "x.smf"}},
       {{"diagnose"}, {"ball.smf"}},
       {{"section"}, {"mesh.ply"}},
@@ -349,12 +349,12 @@ TEST_F(CommandLineTool, SeveralPlacesAreAskedAtOnce) {
   write_points(path("ball.ply"), sphere(300));
   ASSERT_EQ(run({"fit", "ball.ply", "-o", "ball.smf"}).code, 0);
   const auto values =
-      json_of({"eval", "ball.smf", "--at", "0,0,1.02", "--at=0,0,0.5", "--at", "1e6", "0.1", "0"})["values"];
+      json_of({"probe", "ball.smf", "--at", "0,0,1.02", "--at=0,0,0.5", "--at", "1e6", "0.1", "0"})["values"];
   ASSERT_EQ(values.size(), 3u);
-  EXPECT_EQ(values[0], json_of({"eval", "ball.smf", "--at", "0,0,1.02"})["values"][0]);
-  EXPECT_EQ(values[1], json_of({"eval", "ball.smf", "--at", "0,0,0.5"})["values"][0]);
+  EXPECT_EQ(values[0], json_of({"probe", "ball.smf", "--at", "0,0,1.02"})["values"][0]);
+  EXPECT_EQ(values[1], json_of({"probe", "ball.smf", "--at", "0,0,0.5"})["values"][0]);
   EXPECT_EQ(values[2]["at"], nlohmann::json({1e6, 0.1, 0}));
-  EXPECT_EQ(values[2], json_of({"eval", "ball.smf", "--at", "1e6,0.1,0"})["values"][0]);
+  EXPECT_EQ(values[2], json_of({"probe", "ball.smf", "--at", "1e6,0.1,0"})["values"][0]);
   write(kBallFile, ball_bytes());
   const auto probed = json_of({"volume", "probe", kBallFile, "--at", "8,8,4", "--at", "99,0,0", "--method", "linear"});
   ASSERT_EQ(probed["values"].size(), 2u);

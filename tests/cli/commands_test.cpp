@@ -23,7 +23,7 @@ class Commands : public ToolTest {
 };
 
 TEST_F(Commands, HelpTeaches) {
-  for (const char* command : {"reconstruct", "normals", "evaluate", "info", "render"}) {
+  for (const char* command : {"reconstruct", "normals", "assess", "info", "render"}) {
     const Outcome all = run({"--help"}), one = run({command, "--help"});
     EXPECT_EQ(all.code, 0);
     EXPECT_NE(all.out.find(command), std::string::npos);
@@ -48,7 +48,7 @@ TEST_F(Commands, ReconstructsTheBundledScan) {
   EXPECT_EQ(slurp(path("owl.png")).substr(1, 3), "PNG");
   EXPECT_EQ(listing(), (std::vector<std::string>{"owl.ply", "owl.png"}));
 
-  const Outcome judged = run({"evaluate", "owl.ply", kOwl, "--json"});
+  const Outcome judged = run({"assess", "owl.ply", kOwl, "--json"});
   ASSERT_EQ(judged.code, 0) << judged.err;
   const Json json = Json::parse(judged.out);
   EXPECT_TRUE(json["topology"]["closed"]);
@@ -62,7 +62,7 @@ TEST_F(Commands, ReconstructsTheBundledScan) {
   EXPECT_LT(json["coverage"]["invented"]["share"].get<double>(), 0.1);
   EXPECT_EQ(json["coverage"]["invented"]["most_around"].size(), 3u);
   ASSERT_EQ(run({"reconstruct", kOwl, "-o", "open.ply", "--open"}).code, 0);
-  const Outcome open = run({"evaluate", "open.ply", kOwl});
+  const Outcome open = run({"assess", "open.ply", kOwl});
   EXPECT_NE(open.out.find("lost            0.00 % of the samples"), std::string::npos) << open.out;
   EXPECT_NE(open.out.find("invented        0.00 % of the area"), std::string::npos) << open.out;
 }
@@ -304,7 +304,7 @@ TEST_F(Commands, FacesOfASoupAreSampled) {
   const Outcome outcome = run({"reconstruct", "cube.off", "-o", "out.ply"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NE(outcome.err.find("faces were sampled"), std::string::npos) << outcome.err;
-  const Json json = Json::parse(run({"evaluate", "out.ply", "cube.off", "--json"}).out);
+  const Json json = Json::parse(run({"assess", "out.ply", "cube.off", "--json"}).out);
   EXPECT_TRUE(json["topology"]["closed"]);
   EXPECT_EQ(json["topology"]["genus"], 0);
   EXPECT_LT(json["to_reference"]["mean"].get<double>(), 2e-4);

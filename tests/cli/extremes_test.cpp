@@ -123,7 +123,7 @@ TEST_F(Extremes, WhatIsWrittenIsRead) {
 TEST_F(Extremes, ThingsInDifferentUnitsAreAskedAbout) {
   write("mm.off", cube_mesh(1000)), write("m.off", cube_mesh(1)), write("also_m.off", cube_mesh(1.5));
   const auto warnings = [&](const char* file, const char* reference) {
-    const Json json = json_of({"evaluate", file, reference});
+    const Json json = json_of({"assess", file, reference});
     EXPECT_LT(json["to_reference"]["samples"], json["warnings"].empty() ? 500'000 : 10'000);
     return json["warnings"].dump();
   };

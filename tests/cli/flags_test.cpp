@@ -38,7 +38,7 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
       lop{"project", "ball.ply", "-o", "x.ply", "--method", "lop"}, normals{"normals", "ball.ply", "-o", "x.ply"},
       curvature{"curvature", "ball.ply", "-o", "x.ply"}, diagnose{"diagnose", "ball.smf"},
       csg{"csg", "sphere(1)", "-o", "x.ply"}, section{"section", "ball.smf"},
-      compare{"compare", "ball.ply", "ball.ply"}, evaluate{"evaluate", "ball.ply", "ball.ply"};
+      compare{"compare", "ball.ply", "ball.ply"}, evaluate{"assess", "ball.ply", "ball.ply"};
   std::vector<Mistyped> wrong{{reconstruct, {"--depth", "40"}},
                               {reconstruct, {"--error", "-1"}},
                               {reconstruct, {"--support", "99"}},

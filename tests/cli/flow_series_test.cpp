@@ -453,7 +453,7 @@ TEST_F(FlowSeriesTool, SaysWhichStepIsWrongInOneLine) {
       {command({"a.mha", "b.mha", "c.mha"}, {"--times", "0,0"}), 1, {"must increase"}},
       {command({"a.mha", "b.mha", "c.mha"}, {"--times", "0,1,2,3"}), 2, {"--times has 4 numbers for 3 files"}},
       {command({"a.mha", "b.mha"}, {"--memory", "-1"}), 2, {"--memory"}},
-      {command({"a.mha"}, {"--step", "1"}), 2, {"--step"}},
+      {command({"a.mha"}, {"--time-step", "1"}), 2, {"--time-step"}},
       {{"flow", "lines", "a.mha", "--times", "0,1", "-o", "x.csv"}, 2, {"--times needs --unsteady"}},
   });
 }

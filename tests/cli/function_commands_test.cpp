@@ -1,4 +1,4 @@
-// The commands around function files: fit, mesh, eval, and render of a function.
+// The commands around function files: fit, mesh, probe, and render of a function.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -46,10 +46,10 @@ TEST_F(FunctionCommands, FitMeshEvalRenderTheBundledScan) {
   }
 
   // The samples lie on the surface that was fitted to them.
-  const Json eval = json_of({"eval", "owl.smf", "--points", kOwl, "-o", "values.csv"});
-  EXPECT_EQ(eval["points"], 12442);
-  EXPECT_LT(eval["absolute_value"]["mean"].get<double>(), 2 * fit["spacing"].get<double>());
-  EXPECT_LT(eval["largest_gradient"].get<double>(), 50);
+  const Json probed = json_of({"probe", "owl.smf", "--points", kOwl, "-o", "values.csv"});
+  EXPECT_EQ(probed["points"], 12442);
+  EXPECT_LT(probed["absolute_value"]["mean"].get<double>(), 2 * fit["spacing"].get<double>());
+  EXPECT_LT(probed["largest_gradient"].get<double>(), 50);
   const std::string csv = slurp(path("values.csv"));
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 12443);
   for (const char* column : {"value", "gradient_x", "gradient_y", "gradient_z", "k1", "k2"})
@@ -62,7 +62,7 @@ TEST_F(FunctionCommands, FitMeshEvalRenderTheBundledScan) {
 
 TEST_F(FunctionCommands, EvalTellsDistanceGradientAndCurvature) {
   fit_sphere("ball.smf", 8000);
-  const Json json = json_of({"eval", "ball.smf", "--at", "0,0,1.02"});
+  const Json json = json_of({"probe", "ball.smf", "--at", "0,0,1.02"});
   ASSERT_EQ(json["values"].size(), 1u);
   const Json& p = json["values"][0];
   EXPECT_NEAR(p["value"].get<double>(), 0.02, 2e-3);
@@ -71,11 +71,11 @@ TEST_F(FunctionCommands, EvalTellsDistanceGradientAndCurvature) {
   EXPECT_NEAR(p["k1"].get<double>(), 0.98, 0.1);
   EXPECT_NEAR(p["k2"].get<double>(), 0.98, 0.1);
   EXPECT_EQ(json["inside"], 0);
-  EXPECT_EQ(json_of({"eval", "ball.smf", "--at", "0,0,0.5"})["inside"], 1);
-  const Outcome words = run({"eval", "ball.smf", "--at", "0,0,1"});
+  EXPECT_EQ(json_of({"probe", "ball.smf", "--at", "0,0,0.5"})["inside"], 1);
+  const Outcome words = run({"probe", "ball.smf", "--at", "0,0,1"});
   EXPECT_NE(words.out.find("gradient ("), std::string::npos) << words.out;
   // However far away.
-  const Json far = json_of({"eval", "ball.smf", "--at", "1e30,0,0"});
+  const Json far = json_of({"probe", "ball.smf", "--at", "1e30,0,0"});
   EXPECT_TRUE(far["values"][0]["value"].is_number());
   EXPECT_EQ(far["inside"], 0);
 }
@@ -86,7 +86,7 @@ TEST_F(FunctionCommands, UnitsAreThoseOfTheInput) {
   cloud.origin = {500000, 5800000, 100};
   write_points(path("far.ply"), cloud);
   ASSERT_EQ(run({"fit", "far.ply", "-o", "far.smf"}).code, 0);
-  const Json p = json_of({"eval", "far.smf", "--at", "500255,5800000,100"})["values"][0];
+  const Json p = json_of({"probe", "far.smf", "--at", "500255,5800000,100"})["values"][0];
   EXPECT_NEAR(p["value"].get<double>(), 5, 0.5);
   EXPECT_NEAR(p["k1"].get<double>() * 255, 1, 0.15);
   ASSERT_EQ(run({"mesh", "far.smf", "-o", "far-mesh.ply"}).code, 0);
@@ -158,13 +158,13 @@ TEST_F(FunctionCommands, ErrorsAreOneLineAndLeaveNothing) {
       {{"mesh", "good.smf", "-o", "x.docx"}, 1, {"x.docx: "}},
       {{"mesh", "good.smf", "-o", "x.ply", "--preview", "x.ply2"}, 1, {"x.ply2: "}},
       {{"mesh", "good.smf", "-o", "x.ply", "--triangles", "2"}, 2, {"triangles"}},
-      {{"eval", "good.smf"}, 2, {"either --points FILE or --at x,y,z"}},
-      {{"eval", "good.smf", "--at", "1,2"}, 2, {"--at"}},
-      {{"eval", "good.smf", "--at", "nan,0,0"}, 2, {"--at"}},
-      {{"eval", "good.smf", "--at", "1,2,3", "--points", "scan.ply"}, 2, {"either"}},
-      {{"eval", "good.smf", "--points", "absent.ply"}, 1, {"absent.ply: no such file"}},
-      {{"eval", "scan.ply", "--at", "0,0,0"}, 1, {"scan.ply: is not a function file"}},
-      {{"eval", "good.smf", "--at", "0,0,0", "-o", "x.png"}, 1, {"x.png: "}},
+      {{"probe", "good.smf"}, 2, {"either --points FILE or --at x,y,z"}},
+      {{"probe", "good.smf", "--at", "1,2"}, 2, {"--at"}},
+      {{"probe", "good.smf", "--at", "nan,0,0"}, 2, {"--at"}},
+      {{"probe", "good.smf", "--at", "1,2,3", "--points", "scan.ply"}, 2, {"either"}},
+      {{"probe", "good.smf", "--points", "absent.ply"}, 1, {"absent.ply: no such file"}},
+      {{"probe", "scan.ply", "--at", "0,0,0"}, 1, {"scan.ply: is not a function file"}},
+      {{"probe", "good.smf", "--at", "0,0,0", "-o", "x.png"}, 1, {"x.png: "}},
       {{"reconstruct", "good.smf", "-o", "x.ply"}, 1, {"good.smf: is a function, not points or a mesh"}},
       {{"render", "short.smf", "-o", "x.png"}, 1, {"short.smf: truncated"}},
       {{"info", "absent.smf"}, 1, {"absent.smf: no such file"}},

@@ -134,7 +134,7 @@ TEST_F(MeasureCommands, CommandsAgreeOnWhatTheyCount) {
   for (const auto& [name, mesh] : meshes) {
     SCOPED_TRACE(name);
     write_mesh(path(name), mesh);
-    const Json measured = json_of({"measure", name}), evaluated = json_of({"evaluate", name}),
+    const Json measured = json_of({"measure", name}), evaluated = json_of({"assess", name}),
                known = json_of({"info", name});
     EXPECT_EQ(measured["topology"], evaluated["topology"]);
     EXPECT_EQ(measured["topology"], known["mesh"]);
@@ -151,7 +151,7 @@ TEST_F(MeasureCommands, CommandsAgreeOnWhatTheyCount) {
     for (const Json& part : measured["components"]) open += part["open_edges"].get<std::size_t>();
     EXPECT_EQ(open, measured["whole"]["open_edges"]);
     // The same words, too.
-    const std::string words = run({"measure", name}).out, said = run({"evaluate", name}).out;
+    const std::string words = run({"measure", name}).out, said = run({"assess", name}).out;
     const auto topology_of = [](const std::string& text) {
       const std::size_t at = text.find("closed", text.find("topology"));
       return text.substr(at, text.find('\n', at) - at);
@@ -159,7 +159,7 @@ TEST_F(MeasureCommands, CommandsAgreeOnWhatTheyCount) {
     EXPECT_EQ(topology_of(words), topology_of(said));
   }
   EXPECT_TRUE(json_of({"info", "soup.off"})["mesh"]["closed"]);
-  EXPECT_EQ(json_of({"evaluate", "three.off"})["topology"]["open_edges"], 3);
+  EXPECT_EQ(json_of({"assess", "three.off"})["topology"]["open_edges"], 3);
   // What a command says of the mesh that it wrote.
   const Json made = json_of({"csg", "box(2) - sphere(1.2)", "-o", "made.ply", "--resolution", "40"});
   const Json measured = json_of({"measure", "made.ply"});
@@ -273,12 +273,12 @@ TEST_F(MeasureCommands, OpenMeshesHaveNoVolumeAndSoupsNoOrientation) {
   write_mesh(path("open.ply"), mesh);
   for (const char* file : {"closed.ply", "open.ply"}) {
     const Json measured = json_of({"measure", file})["whole"]["volume"];
-    const Json evaluated = json_of({"evaluate", file})["quality"]["volume"];
+    const Json evaluated = json_of({"assess", file})["quality"]["volume"];
     ASSERT_EQ(measured.is_null(), evaluated.is_null()) << file;
     if (!measured.is_null()) EXPECT_NEAR(measured.get<double>(), evaluated.get<double>(), 1e-6);
   }
-  EXPECT_TRUE(json_of({"evaluate", "open.ply"})["quality"]["volume"].is_null());
-  EXPECT_EQ(json_of({"evaluate", "open.ply"})["topology"]["oriented"], true);
+  EXPECT_TRUE(json_of({"assess", "open.ply"})["quality"]["volume"].is_null());
+  EXPECT_EQ(json_of({"assess", "open.ply"})["topology"]["oriented"], true);
   // Faces that touch nowhere.
   TriangleMesh soup;
   for (std::uint32_t k = 0; k < 5; ++k) {
@@ -287,7 +287,7 @@ TEST_F(MeasureCommands, OpenMeshesHaveNoVolumeAndSoupsNoOrientation) {
     soup.triangles.push_back({3 * k, 3 * k + 1, 3 * k + 2});
   }
   write_mesh(path("soup.ply"), soup);
-  EXPECT_TRUE(json_of({"evaluate", "soup.ply"})["topology"]["oriented"].is_null());
+  EXPECT_TRUE(json_of({"assess", "soup.ply"})["topology"]["oriented"].is_null());
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ TABLE = """
 
 convert tests/data/comments.off -o a.ply
 convert a.ply -o b.stl
-evaluate a.ply b.stl --samples 1000
+assess a.ply b.stl --samples 1000
 
 csg 'box(1) - sphere(0.6)' -o part.ply --resolution 12
 convert tests/data/soup.stl -o there/is/no/folder.ply
@@ -79,9 +79,9 @@ class SameResults(unittest.TestCase):
 
     def test_each_tool_gets_the_spelling_that_it_knows(self):
         other = self.wrapped('case $1 in\n'
-                             '  help) "$TOOL" "$@" | sed "s/^  eval /  probe /; s/^  evaluate /  assess /" ;;\n'
-                             '  evaluate) exit 2 ;;\n'
-                             '  assess) shift; "$TOOL" evaluate "$@" ;;\n'
+                             '  help) "$TOOL" "$@" | sed "s/^  probe /  eval /; s/^  assess /  evaluate /" ;;\n'
+                             '  assess) exit 2 ;;\n'
+                             '  evaluate) shift; "$TOOL" assess "$@" ;;\n'
                              '  *) "$TOOL" "$@" ;;\n'
                              'esac')
         self.assertEqual(self.compared(TOOL, other)[0], 0)

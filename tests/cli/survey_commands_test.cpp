@@ -114,10 +114,10 @@ TEST_F(SurveyCommands, TheyAreReferencesToo) {
   ASSERT_EQ(run({"fit", "west.las", "east.las", "--class", "ground", "-o", "ball.smf"}).code, 0);
   ASSERT_EQ(run({"mesh", "ball.smf", "-o", "ball.ply"}).code, 0);
 
-  const Json ground = json_of({"evaluate", "ball.ply", "west.las", "east.las", "--class", "ground"});
+  const Json ground = json_of({"assess", "ball.ply", "west.las", "east.las", "--class", "ground"});
   EXPECT_EQ(ground["reference"]["files"], files);
   EXPECT_EQ(ground["coverage"]["lost"]["share"], 0);
-  const Json noise = json_of({"evaluate", "ball.ply", "west.las", "east.las", "--class", "noise"});
+  const Json noise = json_of({"assess", "ball.ply", "west.las", "east.las", "--class", "noise"});
   EXPECT_GT(noise["from_reference"]["mean"], 4) << "strays";
   EXPECT_LT(ground["from_reference"]["mean"], 0.005 * kRadius);
 
@@ -127,10 +127,10 @@ TEST_F(SurveyCommands, TheyAreReferencesToo) {
   EXPECT_LT(map["distance"]["rms"], 0.03 * kRadius);
 
   const std::size_t points = read_points(path("west.las")).size() + read_points(path("east.las")).size() - 300;
-  const Json values = json_of({"eval", "ball.smf", "--points", "west.las", "--points", "east.las", "--class", "2"});
+  const Json values = json_of({"probe", "ball.smf", "--points", "west.las", "--points", "east.las", "--class", "2"});
   EXPECT_EQ(values["points"], points);
   EXPECT_LT(values["absolute_value"]["max"], 0.01 * kRadius);
-  EXPECT_EQ(run({"eval", "ball.smf", "--at", "0,0,0", "--class", "2"}).code, 2) << "a place has no class";
+  EXPECT_EQ(run({"probe", "ball.smf", "--at", "0,0,0", "--class", "2"}).code, 2) << "a place has no class";
 
   PointSet probes = sphere(200);  // of no class: those chosen are of the samples
   probes.origin = kCenter;

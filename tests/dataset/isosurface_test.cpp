@@ -28,8 +28,7 @@ constexpr Vec3 kCenter{0.52, 0.5, 0.47};
 /// Larger towards the centre: {f > 0.7} is the ball of radius 0.3.
 double cone(const Vec3& x) { return 1 - norm(x - kCenter); }
 
-std::shared_ptr<const Isosurface> surface_in(GridData data, double value,
-                                             ReconstructionMethod method = ReconstructionMethod::linear) {
+std::shared_ptr<const Isosurface> surface_in(GridData data, double value, const std::string& method = "linear") {
   VolumeDataset dataset(std::move(data));
   Progress progress;
   ReconstructionOptions options;

@@ -17,14 +17,14 @@ std::shared_ptr<const VolumeField> linear_field(GridData data) {
   VolumeDataset dataset(std::move(data));
   Progress progress;
   ReconstructionOptions options;
-  options.method = ReconstructionMethod::linear;
+  options.method = "linear";
   return dataset.field({"f", {}, false}, options, progress);
 }
 
 TEST(Resample, KeepsLinearFunctionsAndTheirGradients) {
   const auto field = linear_field(test::bent_grid({9, 9, 9}, test::linear_function));
   ResampleOptions options;
-  options.size = 20;
+  options.size = {20};
   options.gradients = true;
   Progress progress;
   const GridBlock block = resample_volume(*field, "f", options, progress);
@@ -51,14 +51,13 @@ TEST(Resample, HasEqualStepsOrTheSizesAskedFor) {
       linear_field(test::one_block(test::lattice_block({5, 5, 5}, {0, 0, 0}, {4, 2, 1}), test::linear_function));
   Progress progress;
   ResampleOptions options;
-  options.size = 41;
+  options.size = {41};
   const GridBlock even = resample_volume(*field, "f", options, progress);
   EXPECT_EQ(even.axes[0].size(), 41u);
   EXPECT_EQ(even.axes[1].size(), 21u);
   EXPECT_EQ(even.axes[2].size(), 11u);
   EXPECT_EQ(even.axes[0].back(), 4);
-  options.size.reset();
-  options.sizes = {3, 4, 5};
+  options.size = {3, 4, 5};
   options.box = Box3{{-1, 0, 0}, {1, 1, 1}};
   options.outside = std::numeric_limits<double>::quiet_NaN();
   const GridBlock given = resample_volume(*field, "f", options, progress);
@@ -66,7 +65,7 @@ TEST(Resample, HasEqualStepsOrTheSizesAskedFor) {
   ASSERT_EQ(values.size(), 60u);
   EXPECT_TRUE(std::isnan(values[0]));
   EXPECT_FALSE(std::isnan(values[2]));
-  options.size = 3;
+  options.size = {3, 4};
   EXPECT_THROW(resample_volume(*field, "f", options, progress), ArgumentError);
 }
 

@@ -20,7 +20,7 @@ namespace sansmesh {
 namespace {
 
 using namespace test;
-using Method = ReconstructionMethod;
+using Method = std::string;  // its name
 
 double wavy(const Vec3& x) { return std::sin(3 * x.x + x.y) + 0.5 * std::cos(4 * x.y - 2 * x.z) * x.z; }
 
@@ -84,32 +84,32 @@ class VolumeFile : public ::testing::Test {
 
 TEST_F(VolumeFile, AnswersTheSameToTheBitOnEveryGrid) {
   for (const test::NamedGrid& grid : all_grids(wavy))
-    for (const Method method : {Method::mls_detail, Method::linear}) {
-      SCOPED_TRACE(grid.name + " " + std::string(info_of(method).name));
+    for (const Method method : {"mls-detail", "linear"}) {
+      SCOPED_TRACE(grid.name + " " + method);
       expect_same_field(only(grid.data, grid.association), by(method));
     }
 }
 
 TEST_F(VolumeFile, AnswersTheSameToTheBitByAmls) {
-  ReconstructionOptions few = by(Method::amls);
+  ReconstructionOptions few = by("amls");
   few.iterations = 2, few.order = 4;
   for (const test::NamedGrid& grid : all_grids(wavy)) {
     SCOPED_TRACE(grid.name);
     expect_same_field(only(grid.data, grid.association), few);
   }
-  expect_same_field(bent_grid({6, 7, 5}, wavy), by(Method::amls));  // shape and iterations chosen from the data
-  expect_same_field(lattice_grid({6, 5, 7}, wavy), by(Method::amls));
+  expect_same_field(bent_grid({6, 7, 5}, wavy), by("amls"));  // shape and iterations chosen from the data
+  expect_same_field(lattice_grid({6, 5, 7}, wavy), by("amls"));
 }
 
 TEST_F(VolumeFile, AnswersTheSameToTheBitByMethodsWithoutCoefficients) {
-  for (const ReconstructionInfo& info : reconstruction_methods()) {
-    SCOPED_TRACE(info.name);
-    expect_same_field(lattice_grid({7, 6, 5}, wavy), by(info.method));
+  for (const VolumeMethod* const info : VolumeMethod::registry().all()) {
+    SCOPED_TRACE(info->name);
+    expect_same_field(lattice_grid({7, 6, 5}, wavy), by(std::string(info->name)));
   }
-  ReconstructionOptions spline = by(Method::cubic);
+  ReconstructionOptions spline = by("cubic");
   spline.b = 1, spline.c = 0;
   expect_same_field(lattice_grid({7, 6, 5}, wavy), spline);
-  ReconstructionOptions wide = by(Method::shepard);
+  ReconstructionOptions wide = by("shepard");
   wide.radius = 3;
   expect_same_field(bent_grid({6, 7, 5}, wavy), wide);
 }
@@ -119,7 +119,7 @@ TEST_F(VolumeFile, TakesTheCoefficientsOfTheFileInPlaceOfAFit) {
   // is all, and linear interpolation, which takes the values, has no share.
   Progress progress;
   VolumeDataset dataset(bent_grid({6, 7, 5}, wavy));
-  write_volume_file(folder_ / "f.smv", dataset.fit("f", by(Method::amls), false, progress));
+  write_volume_file(folder_ / "f.smv", dataset.fit("f", by("amls"), false, progress));
   const auto answers_with = [&](double more, const std::string& name) {
     std::vector<RawSection> sections = unpacked(slurp(folder_ / "f.smv"));
     for (RawSection& s : sections) {
@@ -129,7 +129,7 @@ TEST_F(VolumeFile, TakesTheCoefficientsOfTheFileInPlaceOfAFit) {
     }
     VolumeDataset opened(read_volume_file(folder_.put(name, packed(sections, "SMV", 0))));
     const auto volume = opened.volume("f", progress);
-    return answers_of(*opened.field({"f", {}, false}, by(Method::amls), progress), *volume);
+    return answers_of(*opened.field({"f", {}, false}, by("amls"), progress), *volume);
   };
   const auto before = answers_with(0, "same.smv"), after = answers_with(0.5, "more.smv");
   for (std::size_t i = 0; i < before.values.size(); ++i) EXPECT_NEAR(after.values[i], before.values[i] + 0.5, 1e-5);
@@ -139,7 +139,7 @@ TEST_F(VolumeFile, IsTheSameForAnyNumberOfThreadsAndWhenWrittenAgain) {
   const auto bytes = [&] {
     Progress progress;
     VolumeDataset dataset(three_overlapping_blocks(6, wavy));
-    write_volume_file(folder_ / "t.smv", dataset.fit("f", by(Method::mls_detail), true, progress));
+    write_volume_file(folder_ / "t.smv", dataset.fit("f", by("mls-detail"), true, progress));
     return slurp(folder_ / "t.smv");
   };
   expect_equal_for_any_threads(bytes);
@@ -148,14 +148,14 @@ TEST_F(VolumeFile, IsTheSameForAnyNumberOfThreadsAndWhenWrittenAgain) {
   EXPECT_TRUE(slurp(folder_ / "again.smv") == once);
   Progress progress;
   VolumeDataset opened(read_volume_file(folder_ / "t.smv"));
-  write_volume_file(folder_ / "fit.smv", opened.fit("f", by(Method::mls_detail), true, progress));
+  write_volume_file(folder_ / "fit.smv", opened.fit("f", by("mls-detail"), true, progress));
   EXPECT_TRUE(slurp(folder_ / "fit.smv") == once);
 }
 
 TEST_F(VolumeFile, MayBeGzipped) {
   Progress progress;
   VolumeDataset dataset(two_level_amr(8, wavy));
-  const FittedVolume fitted = dataset.fit("f", by(Method::mls_detail), false, progress);
+  const FittedVolume fitted = dataset.fit("f", by("mls-detail"), false, progress);
   write_volume_file(folder_ / "f.smv", fitted);
   write_volume_file(folder_ / "f.smv.gz", fitted);
   EXPECT_TRUE(is_volume_file("a/F.SMV.gz"));
@@ -184,7 +184,7 @@ GridData several_arrays() {
 TEST_F(VolumeFile, KeepsWhatIsKnownOfTheData) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
-  VolumeDataset opened = stored(dataset.fit("where", by(Method::linear), true, progress));
+  VolumeDataset opened = stored(dataset.fit("where", by("linear"), true, progress));
   EXPECT_EQ(opened.default_array().name, "where");
   ASSERT_EQ(opened.arrays().size(), 2u);  // none of cells
   for (const DatasetArray& a : opened.arrays()) {
@@ -212,23 +212,23 @@ TEST_F(VolumeFile, KeepsWhatIsKnownOfTheData) {
 TEST_F(VolumeFile, ReconstructsAnewWhatItDoesNotHoldReady) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
-  ReconstructionOptions planes = by(Method::mls_detail);
+  ReconstructionOptions planes = by("mls-detail");
   planes.degree = 1;
   VolumeDataset opened = stored(dataset.fit("f", planes, true, progress));
   const auto volume = dataset.volume("f", progress);
   const auto expect_same = [&](const char* array, const ReconstructionOptions& options) {
     EXPECT_TRUE(answers_of(*dataset.field({array, {}, false}, options, progress), *volume) ==
                 answers_of(*opened.field({array, {}, false}, options, progress), *volume))
-        << array << " " << info_of(options.method).name;
+        << array << " " << *options.method;
   };
-  expect_same("where", by(Method::mls_detail));
-  expect_same("f", by(Method::linear));
-  ReconstructionOptions cubics = by(Method::mls_detail);
+  expect_same("where", by("mls-detail"));
+  expect_same("f", by("linear"));
+  ReconstructionOptions cubics = by("mls-detail");
   cubics.degree = 3;
   expect_same("f", cubics);
   // What is not said is as it is in the file.
   ReconstructionReport report;
-  opened.field({"f", {}, false}, by(Method::mls_detail), progress, &report);
+  opened.field({"f", {}, false}, by("mls-detail"), progress, &report);
   EXPECT_EQ(report.options.degree, 1);
   EXPECT_EQ(report.by_degree[2] + report.by_degree[3], 0u);
 }
@@ -236,20 +236,20 @@ TEST_F(VolumeFile, ReconstructsAnewWhatItDoesNotHoldReady) {
 TEST_F(VolumeFile, SaysWhatItHoldsWhereSomethingElseIsAskedFor) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
-  VolumeDataset opened = stored(dataset.fit("f", by(Method::linear), false, progress));
+  VolumeDataset opened = stored(dataset.fit("f", by("linear"), false, progress));
   try {
     opened.choose("where");
     FAIL() << "there is no such array";
   } catch (const ArgumentError& error) {
     EXPECT_NE(std::string(error.what()).find("holds f"), std::string::npos) << error.what();
   }
-  EXPECT_THROW(opened.field({"f", {}, false}, by(Method::cubic), progress), ArgumentError);  // no lattice
+  EXPECT_THROW(opened.field({"f", {}, false}, by("cubic"), progress), ArgumentError);  // no lattice
 }
 
 TEST_F(VolumeFile, LeavesNothingBehindWhereItCannotBeWritten) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
-  FittedVolume fitted = dataset.fit("f", by(Method::mls_detail), false, progress);
+  FittedVolume fitted = dataset.fit("f", by("mls-detail"), false, progress);
   const std::string missing = folder_ / "missing/f.smv", twice = folder_ / "twice.smv", none = folder_ / "none.smv";
   expect_file_error(missing, "", [&] { write_volume_file(missing, fitted); });
   fitted.arrays.push_back(fitted.arrays[0]);

@@ -1,5 +1,5 @@
-// What a program adds to the library (a surface, a format, a job with its command) is in help, schema, reports and
-// results as what the library has itself.
+// What a program adds to the library (a surface, a reconstruction of volumes, a format, a job with its command) is in
+// help, schema, reports and results as what the library has itself.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -54,6 +54,29 @@ TEST_F(Extension, SurfaceIsKnownEverywhere) {
   const Outcome refused = run({"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "shepard", "--order", "2"});
   EXPECT_EQ(refused.code, 2);
   EXPECT_NE(refused.err.find("--order belongs to amls, not to the surface shepard"), std::string::npos) << refused.err;
+}
+
+TEST_F(Extension, ReconstructionOfVolumesIsKnownEverywhere) {
+  std::string samples = "x,y,z,t\n";
+  for (int i = 0; i < 64; ++i)
+    samples += std::to_string(i % 4) + "," + std::to_string(i / 4 % 4) + "," + std::to_string(i / 16) + "," +
+               std::to_string(i % 4) + "\n";
+  write("samples.csv", samples);
+  const nlohmann::json found =
+      json_of({"volume", "probe", "samples.csv", "--array", "t", "--at", "0.3,1,1", "--method", "mean"});
+  EXPECT_EQ(found["values"][0]["value"], 1.5);
+  const Outcome refused =
+      run({"volume", "probe", "samples.csv", "--array", "t", "--at", "0,0,0", "--method", "mean", "--degree", "2"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("--degree means nothing to the reconstruction mean"), std::string::npos) << refused.err;
+  const nlohmann::json all = schema();
+  const nlohmann::json* const method = named(all["volume_methods"], "mean");
+  ASSERT_NE(method, nullptr);
+  EXPECT_EQ((*method)["grids"], "all");
+  const nlohmann::json* const choice = option_of(*named(all["commands"], "volume probe"), "--method");
+  ASSERT_NE(choice, nullptr);
+  EXPECT_EQ((*choice)["choices"].back(), "mean");
+  EXPECT_NE(run({"volume", "probe", "--help"}).out.find("mls-detail, amls, mean"), std::string::npos);
 }
 
 TEST_F(Extension, FormatIsReadAndWritten) {

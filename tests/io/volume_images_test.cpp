@@ -227,6 +227,7 @@ TEST(RawImage, ByItsNameAndByItsLayout) {
   expect_no_volume(folder.put("vol.raw", std::string(60, 'x')), "without a header");
   EXPECT_THROW(read_volume(folder.put("vol_5x4x3_uint8.raw", std::string(60, 'x')), {.time_step = 1}), ArgumentError);
   RawLayout none;
+  none.dims = {5, 0, 3};
   EXPECT_THROW(read_volume(folder / "vol.raw", {.raw = none}), ArgumentError);
 }
 

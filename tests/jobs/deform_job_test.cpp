@@ -231,7 +231,7 @@ TEST(DeformJob, RefusesWhatMeansNothing) {
   EXPECT_NE(of_cloud({.frames = 1}).find("`frames`"), std::string::npos);
   EXPECT_NE(of_cloud({.draw_folds = true}).find("`draw_folds`"), std::string::npos);
   EXPECT_NE(of_cloud({.planes = {parse_plane("z=0")}}).find("`plane`"), std::string::npos);
-  EXPECT_NE(of_cloud({.size = {3, 4}}).find("`size`"), std::string::npos);
+  EXPECT_NE(of_cloud({.lattice = {.size = {3, 4}}}).find("`size`"), std::string::npos);
   EXPECT_NE(of_cloud({}, DeformAim::sections), "");
   EXPECT_NE(refused([&] { deform(ball(1), d, DeformAim::shape, {.refine = 0.1}, kIgnore, progress); }).find("`refine`"),
             std::string::npos);

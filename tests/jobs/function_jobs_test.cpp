@@ -12,8 +12,8 @@
 #include "sansmesh/jobs/csg.h"
 #include "sansmesh/jobs/diagnose.h"
 #include "sansmesh/jobs/edit.h"
-#include "sansmesh/jobs/evaluate.h"
 #include "sansmesh/jobs/info.h"
+#include "sansmesh/jobs/probe_function.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"
@@ -47,7 +47,7 @@ Edit constant_everywhere() { return {.select = {}, .action = SetConstant{}}; }
 TEST(EvaluateJob, IsInTheUnitOfTheInput) {
   Progress progress;
   const std::vector<Vec3> places{{2.02, 0, 0}, {0, -2, 0}, {0, 0, 1.9}};
-  const EvaluateResult made = evaluate(ball_function(), places, progress);
+  const ProbeFunctionResult made = probe_function(ball_function(), places, progress);
   ASSERT_EQ(made.values.size(), 3u);
   EXPECT_NEAR(made.values[0].value, 0.02, 0.004);
   EXPECT_NEAR(made.values[1].k1, 0.5, 0.05);
@@ -59,7 +59,7 @@ TEST(EvaluateJob, IsInTheUnitOfTheInput) {
   made.add_to(attributes);
   ASSERT_NE(attributes.find("k2"), nullptr);
   EXPECT_EQ(attributes.find("value")->number(2), static_cast<float>(made.values[2].value));
-  EXPECT_TRUE(evaluate(ball_function(), {}, progress).values.empty());
+  EXPECT_TRUE(probe_function(ball_function(), {}, progress).values.empty());
 }
 
 TEST(EditJob, BringsAMeshUpToDate) {
@@ -138,7 +138,7 @@ TEST(InfoJob, TellsOfAFunction) {
 
 SolidModel solid_of(const std::string& expression) {
   Progress progress;
-  return read_solid(expression, {}, progress);
+  return read_solid(expression, progress);
 }
 
 TEST(CsgJob, KeepsAllPartsOfSolidsWithoutFunctions) {

@@ -353,7 +353,7 @@ TEST(EveryRoom, VolumesAreAsked) {
       Progress progress;
       const auto volume = std::make_shared<const SampledVolume>(assemble_volume(data, a, progress));
       ReconstructionOptions options;
-      options.method = ReconstructionMethod::linear;
+      options.method = "linear";
       const auto field = reconstruct_volume(volume, "f", options, progress);
       const auto x = points_about(3000, 1);
       std::vector<double> values(x.size());

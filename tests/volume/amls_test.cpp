@@ -61,7 +61,7 @@ TEST(Amls, BallsReachOverCellsThatEllipsoidsFit) {
   }
   Progress progress;
   ReconstructionOptions options;
-  options.method = ReconstructionMethod::amls;
+  options.method = "amls";
   options.shape = 1, options.iterations = 2;
   const std::vector<Vec3> places = places_within(*volume, 300);
   const double ellipsoids = most_error(*reconstruct_volume(volume, "f", options, progress), places, layered);
@@ -132,8 +132,7 @@ TEST(AmlsField, IsNowhereFartherOffThanLinear) {
       const auto volume = volume_of(grid.data, grid.association);
       if (!has_linear_share(*volume)) continue;
       const auto x = places_within(*volume, 3000);
-      EXPECT_LE(most_error(*field_of(volume, ReconstructionMethod::amls), x, f),
-                most_error(*field_of(volume, ReconstructionMethod::linear), x, f));
+      EXPECT_LE(most_error(*field_of(volume, "amls"), x, f), most_error(*field_of(volume, "linear"), x, f));
     }
 }
 
@@ -142,7 +141,7 @@ TEST(AmlsField, ChoiceDoesNotDependOnThreads) {
   const auto x = places_within(*volume, 500);
   expect_equal_for_any_threads([&] {
     std::vector<double> values(x.size());
-    field_of(volume, ReconstructionMethod::amls)->evaluate(x, {values, {}, {}, {}});
+    field_of(volume, "amls")->evaluate(x, {values, {}, {}, {}});
     return values;
   });
 }

@@ -199,7 +199,7 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
     std::vector<VolumePlace> places(x.size());
     VolumeLocator(*volume).locate(x, places);
     std::vector<double> values(x.size());
-    field_of(volume, ReconstructionMethod::linear)->evaluate(x, {values, {}, {}, {}});
+    field_of(volume, "linear")->evaluate(x, {values, {}, {}, {}});
     for (std::size_t k = 0; k < x.size(); ++k) {
       // Many of these cells are folded over and over, and cover some places several times.
       if (!places[k].inside) {
@@ -419,7 +419,7 @@ TEST(AssembleVolume, SingleLayersBecomeSlabs) {
       data.blocks[0].cell_arrays.set("f", cells);
       const auto volume = volume_of(data, a);
       EXPECT_GT(volume->facts.layer, 0.15);
-      const auto field = field_of(volume, ReconstructionMethod::linear);
+      const auto field = field_of(volume, "linear");
       const Vec3 x = block_point(data.blocks[0], 7) + Vec3{0.05, 0, 0};
       double value = 0;
       std::uint8_t inside = 0;

@@ -23,7 +23,7 @@ double wave(const Vec3& x) { return std::sin(3 * x.x) * std::cos(2 * x.y + x.z) 
 std::unique_ptr<VolumeField> detail_of(std::shared_ptr<const SampledVolume> volume, bool robust) {
   Progress progress;
   ReconstructionOptions options;
-  options.robust = robust;
+  options.method = "mls-detail", options.robust = robust;
   return reconstruct_volume(std::move(volume), "f", options, progress);
 }
 
@@ -31,7 +31,7 @@ TEST(MlsDetail, ReproducesLinearFunctionsOnEveryGrid) {
   for (const NamedGrid& grid : all_grids(linear_function)) {
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
-    const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+    const auto field = field_of(volume, "mls-detail");
     const auto x = places_within(*volume, 500);
     std::vector<double> values(x.size()), spacings(x.size());
     std::vector<Vec3> gradients(x.size());
@@ -55,7 +55,7 @@ TEST(MlsDetail, ReproducesCubicsAwayFromTheBoundary) {
                                    std::pair{"tetrahedra", tetrahedra_grid({8, 8, 8}, cubic_function)}}) {
     SCOPED_TRACE(name);
     const auto volume = volume_of(data);
-    const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+    const auto field = field_of(volume, "mls-detail");
     const Vec3 middle = volume->bounds().center();
     std::vector<Vec3> x = places_within(*volume, 2000);
     std::erase_if(x, [&](const Vec3& p) { return norm(p - middle) > 0.2; });
@@ -78,8 +78,8 @@ TEST(MlsDetail, IsNeverWorseThanLinearAndOnAverageMuchBetter) {
     if (grid.name.ends_with("cells")) continue;  // values of cells are means there, not those of a function
     const auto volume = volume_of(grid.data, grid.association);
     const auto x = places_within(*volume, 5000);
-    const Errors linear = errors_of(*field_of(volume, ReconstructionMethod::linear), x, wave);
-    const Errors detail = errors_of(*field_of(volume, ReconstructionMethod::mls_detail), x, wave);
+    const Errors linear = errors_of(*field_of(volume, "linear"), x, wave);
+    const Errors detail = errors_of(*field_of(volume, "mls-detail"), x, wave);
     EXPECT_LE(detail.most, linear.most);
     EXPECT_LE(2.5 * detail.mean, linear.mean);
   }
@@ -94,8 +94,8 @@ TEST(MlsDetail, IsNeverWorseThanLinearOnCoarseStretchedTetrahedra) {
     const VolumeFunction f = [=](const Vec3& x) { return std::cos(number * x.z + phase) * (1.3 + std::cos(4 * x.y)); };
     const auto volume = volume_of(one_block(tetrahedra_of(lattice_block({8, 8, 8}, {}, {1, 1, 1}, growth)), f));
     const auto x = places_within(*volume, 5000);
-    const Errors linear = errors_of(*field_of(volume, ReconstructionMethod::linear), x, f);
-    const Errors detail = errors_of(*field_of(volume, ReconstructionMethod::mls_detail), x, f);
+    const Errors linear = errors_of(*field_of(volume, "linear"), x, f);
+    const Errors detail = errors_of(*field_of(volume, "mls-detail"), x, f);
     EXPECT_LE(detail.mean, linear.mean) << seed;
     EXPECT_LE(detail.most, linear.most) << seed;
   }
@@ -109,8 +109,8 @@ TEST(MlsDetail, IsNeverWorseThanLinearAtFrontsThatEndInCoarseCells) {
       const VolumeFunction front = [&](const Vec3& x) { return std::tanh(9 * (x.z - x.x - x.y + offset)); };
       const auto volume = volume_of(bent_grid({10, 10, 10}, front, growth));
       const auto x = places_within(*volume, 20000);
-      EXPECT_LE(errors_of(*field_of(volume, ReconstructionMethod::mls_detail), x, front).most,
-                errors_of(*field_of(volume, ReconstructionMethod::linear), x, front).most);
+      EXPECT_LE(errors_of(*field_of(volume, "mls-detail"), x, front).most,
+                errors_of(*field_of(volume, "linear"), x, front).most);
     }
 }
 
@@ -120,8 +120,8 @@ TEST(MlsDetail, IsNeverWorseThanLinearOnThinTetrahedra) {
   };
   const auto volume = volume_of(one_block(tetrahedra_of(lattice_block({20, 20, 20}, {}, {1, 1, 1}, 1.2)), hills));
   const auto x = places_within(*volume, 50000);
-  EXPECT_LE(errors_of(*field_of(volume, ReconstructionMethod::mls_detail), x, hills).most,
-            errors_of(*field_of(volume, ReconstructionMethod::linear), x, hills).most);
+  EXPECT_LE(errors_of(*field_of(volume, "mls-detail"), x, hills).most,
+            errors_of(*field_of(volume, "linear"), x, hills).most);
 }
 
 TEST(CellAgreement, DoubtsThePolynomialThatIsOff) {
@@ -160,7 +160,7 @@ TEST(CellAgreement, DoubtsThePolynomialThatIsOff) {
 
 TEST(MlsDetail, TakesTheSamplesWhereCellsFitTogether) {
   const auto volume = volume_of(bent_grid({6, 7, 5}, wave, 1.2));
-  const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+  const auto field = field_of(volume, "mls-detail");
   EXPECT_LT(errors_of(*field, volume->positions, wave).most, 1e-6);
 }
 
@@ -171,7 +171,7 @@ TEST(MlsDetail, ErrorsFallWithTheFourthOrder) {
     std::vector<Vec3> x = places_within(*volume, 20000);
     const Vec3 middle = volume->bounds().center();
     std::erase_if(x, [&](const Vec3& p) { return norm(p - middle) > 0.3; });
-    const double mean = errors_of(*field_of(volume, ReconstructionMethod::mls_detail), x, wave).mean;
+    const double mean = errors_of(*field_of(volume, "mls-detail"), x, wave).mean;
     if (before > 0) EXPECT_GT(before / mean, 9);  // 2⁴ in the limit
     before = mean;
   }
@@ -180,7 +180,7 @@ TEST(MlsDetail, ErrorsFallWithTheFourthOrder) {
 TEST(MlsDetail, GradientsAreDerivativesOfTheValues) {
   const auto check = [](const GridData& data, Association association) {
     const auto volume = volume_of(data, association);
-    const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+    const auto field = field_of(volume, "mls-detail");
     // Differences reach over faces of cells, where gradients may jump a little.
     EXPECT_LE(wrong_gradients(*field, places_within(*volume, 300)), 6u);
   };
@@ -205,15 +205,14 @@ TEST(MlsDetail, StepsAreNeitherSmearedNorRung) {
       ASSERT_LE(v, 5 + 0.01);
     }
     EXPECT_LT(errors_of(*robust, x, step).mean, 0.9 * errors_of(*plain, x, step).mean);
-    EXPECT_LT(errors_of(*robust, x, step).mean,
-              errors_of(*field_of(volume, ReconstructionMethod::linear), x, step).mean);
+    EXPECT_LT(errors_of(*robust, x, step).mean, errors_of(*field_of(volume, "linear"), x, step).mean);
   }
 }
 
 TEST(MlsDetail, HasNoCracksAcrossLevelsAndBordersOfBlocks) {
   // Points on both sides of the border of the finer part, 1e-6 apart.
   const auto amr = volume_of(two_level_amr(8, wave), Association::cells);
-  const auto field = field_of(amr, ReconstructionMethod::mls_detail);
+  const auto field = field_of(amr, "mls-detail");
   std::vector<Vec3> pairs;
   std::mt19937 random(3);
   for (int i = 0; i < 500; ++i) {
@@ -233,8 +232,8 @@ TEST(MlsDetail, HasNoCracksAcrossLevelsAndBordersOfBlocks) {
 TEST(MlsDetail, OnAmrIsThreeTimesBetterThanLinear) {
   const auto shared = with_values_at_samples(*volume_of(two_level_amr(12, wave), Association::cells), wave);
   const auto x = places_within(*shared, 5000);
-  const Errors linear = errors_of(*field_of(shared, ReconstructionMethod::linear), x, wave);
-  const Errors detail = errors_of(*field_of(shared, ReconstructionMethod::mls_detail), x, wave);
+  const Errors linear = errors_of(*field_of(shared, "linear"), x, wave);
+  const Errors detail = errors_of(*field_of(shared, "mls-detail"), x, wave);
   EXPECT_LE(detail.most, linear.most);
   EXPECT_LE(2.5 * detail.mean, linear.mean);
 }
@@ -258,8 +257,8 @@ TEST(MlsDetail, IsNeverWorseThanLinearWhereSamplesInCellsAreTooFarApart) {
     };
     const auto sampled = with_values_at_samples(*volume, f);
     const auto x = places_within(*sampled, 50000);
-    const Errors linear = errors_of(*field_of(sampled, ReconstructionMethod::linear), x, f);
-    const Errors detail = errors_of(*field_of(sampled, ReconstructionMethod::mls_detail), x, f);
+    const Errors linear = errors_of(*field_of(sampled, "linear"), x, f);
+    const Errors detail = errors_of(*field_of(sampled, "mls-detail"), x, f);
     EXPECT_LE(detail.most, linear.most);
     EXPECT_LE(detail.mean, linear.mean);
   };
@@ -284,7 +283,7 @@ TEST(MlsDetail, DoesNotReachAcrossGaps) {
   data.blocks = {slab(0, 0.1, 0), slab(0.11, 0.21, 1)};
   for (const Association a : {Association::points, Association::cells}) {
     const auto volume = volume_of(data, a);
-    const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+    const auto field = field_of(volume, "mls-detail");
     const auto x = places_within(*volume, 1000);
     std::vector<double> values(x.size());
     field->evaluate(x, {values, {}, {}, {}});
@@ -300,10 +299,10 @@ TEST(MlsDetail, SaysWhenSamplesAreTooFarApart) {
   const auto volume = volume_of(tetrahedra_grid({8, 8, 8}, rough));
   Progress progress;
   ReconstructionReport report;
-  reconstruct_volume(volume, "f", {}, progress, &report);
+  reconstruct_volume(volume, "f", {.method = "mls-detail"}, progress, &report);
   EXPECT_EQ(report.notes.size(), 1u);
   ReconstructionReport fine;
-  reconstruct_volume(volume_of(tetrahedra_grid({8, 8, 8}, wave)), "f", {}, progress, &fine);
+  reconstruct_volume(volume_of(tetrahedra_grid({8, 8, 8}, wave)), "f", {.method = "mls-detail"}, progress, &fine);
   EXPECT_TRUE(fine.notes.empty());
   EXPECT_EQ(std::accumulate(fine.by_degree.begin(), fine.by_degree.end(), std::size_t{0}), 512u);
 }
@@ -316,7 +315,7 @@ TEST(MlsDetail, TrustsLinearFunctionsWhateverTheirRounding) {
     Progress progress;
     ReconstructionReport report;
     ReconstructionCoefficients fitted;
-    reconstruct_volume(volume, "f", {}, progress, &report, &fitted);
+    reconstruct_volume(volume, "f", {.method = "mls-detail"}, progress, &report, &fitted);
     EXPECT_TRUE(report.notes.empty());
     for (std::size_t i = 0; i < volume->size(); ++i) EXPECT_EQ(fitted.polynomials.trust[i], 1.0f);
   }
@@ -327,7 +326,7 @@ TEST(MlsDetail, IsFiniteAnywhereAndZeroAtPointsThatAreNot) {
   const std::vector<Vec3> x{{nan, 0, 0}, {0, 1.0 / 0.0, 0}, {huge, -huge, huge}, {50, 60, 70}, {-0.01, 0.5, 0.5}};
   for (const NamedGrid& grid : all_grids(wave)) {
     SCOPED_TRACE(grid.name);
-    const auto field = field_of(volume_of(grid.data, grid.association), ReconstructionMethod::mls_detail);
+    const auto field = field_of(volume_of(grid.data, grid.association), "mls-detail");
     std::vector<double> values(x.size(), 7);
     std::vector<Vec3> gradients(x.size());
     std::vector<std::uint8_t> inside(x.size(), 9);
@@ -343,12 +342,12 @@ TEST(MlsDetail, AnswersDependOnThePointAlone) {
        {volume_of(o_grid({17, 5, 6}, wave)), volume_of(two_level_amr(8, wave), Association::cells)}) {
     const auto x = places_within(*volume, 3000);
     std::vector<double> alone(x.size());
-    const auto field = field_of(volume, ReconstructionMethod::mls_detail);
+    const auto field = field_of(volume, "mls-detail");
     for (std::size_t i = 0; i < x.size(); i += 7)
       field->evaluate(std::span(x).subspan(i, 1), {std::span(alone).subspan(i, 1), {}, {}, {}});
     const auto all = [&] {
       std::vector<double> values(x.size());
-      field_of(volume, ReconstructionMethod::mls_detail)->evaluate(x, {values, {}, {}, {}});
+      field_of(volume, "mls-detail")->evaluate(x, {values, {}, {}, {}});
       return values;
     };
     expect_equal_for_any_threads(all);

@@ -71,7 +71,7 @@ struct Probed {
   std::vector<std::uint8_t> inside;
 };
 
-Probed probe(const GridData& data, Association a, ReconstructionMethod method, const std::vector<Vec3>& x) {
+Probed probe(const GridData& data, Association a, const std::string& method, const std::vector<Vec3>& x) {
   Probed p{std::vector<double>(x.size()), std::vector<Vec3>(x.size()), std::vector<std::uint8_t>(x.size())};
   field_of(volume_of(data, a), method)->evaluate(x, {p.values, p.gradients, p.inside, {}});
   return p;
@@ -166,19 +166,18 @@ TEST(SampleOrder, DoesNotShowInAnyAnswer) {
   GridData twice = scattered_grid(200, wavy);
   twice.blocks.push_back(scattered_grid(150, [](const Vec3& x) { return wavy(x) + 0.01; }).blocks[0]);
   grids.push_back({"scattered in two blocks, some points the same", twice});
-  constexpr ReconstructionMethod kMethods[] = {ReconstructionMethod::linear, ReconstructionMethod::mls,
-                                               ReconstructionMethod::mls_detail, ReconstructionMethod::amls};
+  const std::string kMethods[] = {"linear", "mls", "mls-detail", "amls"};
   for (const NamedGrid& grid : grids) {
     SCOPED_TRACE(grid.name + (grid.association == Association::cells ? ", cells" : ""));
     std::vector<Vec3> x = places_within(*volume_of(grid.data, grid.association), 300);
     for (const Vec3& more : {Vec3{-1, 0.5, 0.5}, Vec3{1.2, 3, -0.5}, Vec3{0.5, 0.5, 0.5}}) x.push_back(more);
     const GridData other = shuffled_data(grid.data, 11);
-    for (const ReconstructionMethod method : kMethods) {
+    for (const std::string& method : kMethods) {
       const Probed one = probe(grid.data, grid.association, method, x);
       const Probed two = probe(other, grid.association, method, x);
-      EXPECT_TRUE(same_bytes(one.values, two.values)) << info_of(method).name;
-      EXPECT_TRUE(same_bytes(one.gradients, two.gradients)) << info_of(method).name;
-      EXPECT_TRUE(same_bytes(one.inside, two.inside)) << info_of(method).name;
+      EXPECT_TRUE(same_bytes(one.values, two.values)) << method;
+      EXPECT_TRUE(same_bytes(one.gradients, two.gradients)) << method;
+      EXPECT_TRUE(same_bytes(one.inside, two.inside)) << method;
     }
   }
 }

@@ -56,7 +56,7 @@ inline std::shared_ptr<const SampledVolume> volume_of(const GridData& data, Asso
   return std::make_shared<const SampledVolume>(assemble_volume(data, a, progress));
 }
 
-inline std::unique_ptr<VolumeField> field_of(std::shared_ptr<const SampledVolume> volume, ReconstructionMethod method) {
+inline std::unique_ptr<VolumeField> field_of(std::shared_ptr<const SampledVolume> volume, const std::string& method) {
   Progress progress;
   ReconstructionOptions options;
   options.method = method;

@@ -13,25 +13,25 @@
 
 namespace sansmesh {
 
-struct EvaluateReport {
+struct ProbeFunctionReport {
   std::size_t inside = 0;
   // Of the distances from the surface, about (length).
   double mean = 0, median = 0, largest = 0;
   double largest_gradient = 0;
 };
 
-struct EvaluateResult {
+struct ProbeFunctionResult {
   /// A place each: about the distance to the surface, negative inside, and the level set through the place; in the unit
   /// of the input.
   std::vector<LevelSetPoint> values;
-  EvaluateReport report;
+  ProbeFunctionReport report;
 
   /// As the attributes value, gradient_x, gradient_y, gradient_z, k1 and k2.
   void add_to(AttributeTable& attributes) const;
 };
 
 /// At places in the input's coordinates. Throws Cancelled.
-EvaluateResult evaluate(const SurfaceFunction& function, std::span<const Vec3> places, Progress& progress);
+ProbeFunctionResult probe_function(const SurfaceFunction& function, std::span<const Vec3> places, Progress& progress);
 
 /// Where points lie.
 std::vector<Vec3> places_of(const PointSet& points);

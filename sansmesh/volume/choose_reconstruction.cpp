@@ -1,4 +1,4 @@
-#include "sansmesh/dataset/choose_reconstruction.h"
+#include "sansmesh/volume/choose_reconstruction.h"
 
 #include <fmt/core.h>
 
@@ -17,34 +17,33 @@ ReconstructionChoice choose_reconstruction(const SampledVolume& volume, const Vo
   if (volume.lattice) {
     if (!traits.resolved())
       return {
-          ReconstructionMethod::cubic,
+          "cubic",
           fmt::format("a lattice whose samples are noisy or too far apart for parabolas (left out they are missed by "
                       "{} of the range, by planes {}): a cubic through each is smooth, and no other method is nearer",
                       percent(traits.left_out[2]), percent(traits.left_out[1]))};
     if (!traits.edges_resolved())
       return {
-          ReconstructionMethod::cubic,
+          "cubic",
           fmt::format("a lattice with edges that are too fine for parabolas (left out, samples are missed by {} of "
                       "the range, root mean square, by planes {}): a cubic through each is smooth, and nearer there",
                       percent(traits.left_out_rms[2]), percent(traits.left_out_rms[1]))};
     if (volume.size() > kLargeLattice)
-      return {ReconstructionMethod::cubic, "a large lattice: cubics through its samples are smooth and quick"};
-    return {ReconstructionMethod::mls_detail,
+      return {"cubic", "a large lattice: cubics through its samples are smooth and quick"};
+    return {"mls-detail",
             fmt::format("a lattice that resolves what it shows (a sample left out is missed by {} of the range): local "
                         "polynomials gain most",
                         percent(traits.left_out[2]))};
   }
   if (volume.size() > kLargeGrid)
-    return {ReconstructionMethod::linear,
-            "a very large grid: polynomials about its samples would take too much memory"};
+    return {"linear", "a very large grid: polynomials about its samples would take too much memory"};
   if (!traits.resolved())
     return {
-        ReconstructionMethod::mls_detail,
+        "mls-detail",
         fmt::format("a grid whose samples are noisy or too far apart for parabolas (left out they are missed by {} of "
                     "the range, by planes {}): little can be gained over its own interpolation but smoothness",
                     percent(traits.left_out[2]), percent(traits.left_out[1]))};
   return {
-      ReconstructionMethod::mls_detail,
+      "mls-detail",
       fmt::format("a grid that resolves what it shows (samples left out are missed by {} of the range, by planes {}): "
                   "local polynomials gain most",
                   percent(traits.left_out[2]), percent(traits.left_out[1]))};

@@ -1,4 +1,4 @@
-// sansmesh evaluate: how good is a mesh?
+// sansmesh assess: how good is a mesh?
 #include "sansmesh/jobs/assess.h"
 
 #include <fmt/core.h>
@@ -13,7 +13,7 @@
 namespace sansmesh::cli {
 namespace {
 
-struct EvaluateArguments {
+struct AssessArguments {
   std::string surface;
   CloudInput reference;  ///< without files: none
   AssessOptions options;
@@ -71,7 +71,7 @@ void say_distance(const char* name, const OneWayDistance& d, const SurfaceDistan
                           d.angle ? fmt::format(", normals {:.2f}° off", *d.angle) : ""));
 }
 
-void run_evaluate(const EvaluateArguments& arguments, Console& console) {
+void run_assess(const AssessArguments& arguments, Console& console) {
   require(!arguments.reference.files.empty() || !arguments.reference.classes,
           "--class and --without-class choose among the points of the reference");
   arguments.options.validate();
@@ -130,10 +130,11 @@ void run_evaluate(const EvaluateArguments& arguments, Console& console) {
 
 }  // namespace
 
-Command add_evaluate(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("evaluate", "Mesh → distances to a reference, topology, shape of triangles");
-  auto shared = std::make_shared<EvaluateArguments>();
-  EvaluateArguments& a = *shared;
+Command add_assess(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("assess", "Mesh → distances to a reference, topology, shape of triangles");
+  c.once_called("evaluate");
+  auto shared = std::make_shared<AssessArguments>();
+  AssessArguments& a = *shared;
   c.add_option("mesh", a.surface, "Mesh or points").type_name("FILE").required();
   c.add_option("reference", a.reference.files, "Mesh or points to compare with; several (tiles) are read as one")
       .type_name("FILE");
@@ -147,9 +148,9 @@ Command add_evaluate(CommandLine& app) {
       "spacings and four times the noise; invented, the share of the mesh's area farther than four spacings from "
       "all.\n\n"
       "Examples:\n"
-      "  sansmesh evaluate surface.ply\n"
-      "  sansmesh evaluate surface.ply scan.ply");
-  return {&c, [shared](Console& console) { run_evaluate(*shared, console); }};
+      "  sansmesh assess surface.ply\n"
+      "  sansmesh assess surface.ply scan.ply");
+  return {&c, [shared](Console& console) { run_assess(*shared, console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -1,5 +1,5 @@
-// sansmesh eval: value, gradient and curvature of a function at points.
-#include "sansmesh/jobs/evaluate.h"
+// sansmesh probe: value, gradient and curvature of a function at points.
+#include "sansmesh/jobs/probe_function.h"
 
 #include <fmt/core.h>
 
@@ -16,14 +16,14 @@ namespace {
 /// So many points are printed as well.
 constexpr std::size_t kPrintedPoints = 20;
 
-struct EvalArguments {
+struct ProbeArguments {
   std::string input, output;
   CloudInput points;  ///< without files: none
   std::vector<double> at;
   bool ascii = false;
 };
 
-PointSet points_of(const EvalArguments& a, Console& console) {
+PointSet points_of(const ProbeArguments& a, Console& console) {
   if (a.points.files.empty() == a.at.empty()) throw ArgumentError("where? Give either --points FILE or --at x,y,z");
   PointSet points;
   if (!a.points.files.empty()) {
@@ -39,7 +39,7 @@ PointSet points_of(const EvalArguments& a, Console& console) {
   return points;
 }
 
-void run_eval(const EvalArguments& a, Console& console) {
+void run_probe(const ProbeArguments& a, Console& console) {
   if (!a.output.empty()) check_writable(a.output, "points");
   Progress& progress = console.progress();
   progress.begin("read");
@@ -47,7 +47,7 @@ void run_eval(const EvalArguments& a, Console& console) {
   PointSet points = points_of(a, console);
   // Those of --at as they were given, which single precision would change.
   const std::vector<Vec3> places = a.at.empty() ? places_of(points) : places_at(a.at);
-  const EvaluateResult made = evaluate(function, places, progress);
+  const ProbeFunctionResult made = probe_function(function, places, progress);
   if (!a.output.empty()) {
     progress.begin("write");
     made.add_to(points.attributes);
@@ -55,7 +55,7 @@ void run_eval(const EvalArguments& a, Console& console) {
   }
   progress.finish();
 
-  const EvaluateReport& r = made.report;
+  const ProbeFunctionReport& r = made.report;
   const std::size_t n = places.size();
   console.say(fmt::format("{}: {} evaluated, {} inside", a.input, counted(n, "point"), grouped(r.inside)));
   if (n > kPrintedPoints)
@@ -84,9 +84,10 @@ void run_eval(const EvalArguments& a, Console& console) {
 
 }  // namespace
 
-Command add_eval(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("eval", "Function file → its value, gradient and curvature at points");
-  auto a = std::make_shared<EvalArguments>();
+Command add_probe(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("probe", "Function file → its value, gradient and curvature at points");
+  c.once_called("eval");
+  auto a = std::make_shared<ProbeArguments>();
   c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
   c.add_option("--points", a->points.files, "Where: the points of this file; may be repeated (tiles)")
       .type_name("FILE")
@@ -99,10 +100,10 @@ Command add_eval(CommandLine& app) {
       "The value is about the distance to the surface, negative inside, in the unit of the input. k1 and k2 are the\n"
       "principal curvatures of the level set through the point, per length, positive where it is convex.\n\n"
       "Examples:\n"
-      "  sansmesh eval scan.smf --at 0.1,0.2,0.3\n"
-      "  sansmesh eval scan.smf --at 0,0,0 --at 0,0,1 --json\n"
-      "  sansmesh eval scan.smf --points probes.xyz -o values.csv");
-  return {&c, [a](Console& console) { run_eval(*a, console); }};
+      "  sansmesh probe scan.smf --at 0.1,0.2,0.3\n"
+      "  sansmesh probe scan.smf --at 0,0,0 --at 0,0,1 --json\n"
+      "  sansmesh probe scan.smf --points probes.xyz -o values.csv");
+  return {&c, [a](Console& console) { run_probe(*a, console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -3,16 +3,14 @@
 
 #include <string>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/volume/reconstruction.h"
+#include "sansmesh/volume/reconstruction_options.h"
 #include "sansmesh/volume/volume_traits.h"
-#include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh {
 
 struct ReconstructionChoice {
-  ReconstructionMethod method = ReconstructionMethod::mls_detail;
+  std::string method = "mls-detail";
   std::string why;  ///< a sentence without an end
 };
 

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/evaluate.h"
+#include "sansmesh/jobs/probe_function.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@ constexpr double kLevelSetStep = 0.25;
 
 }  // namespace
 
-void EvaluateResult::add_to(AttributeTable& attributes) const {
+void ProbeFunctionResult::add_to(AttributeTable& attributes) const {
   const auto add = [&](const char* name, auto&& get) {
     std::vector<float> column(values.size());
     for (std::size_t i = 0; i < column.size(); ++i) column[i] = static_cast<float>(get(values[i]));
@@ -26,16 +26,16 @@ void EvaluateResult::add_to(AttributeTable& attributes) const {
   add("k2", [](const LevelSetPoint& p) { return p.k2; });
 }
 
-EvaluateResult evaluate(const SurfaceFunction& function, std::span<const Vec3> places, Progress& progress) {
+ProbeFunctionResult probe_function(const SurfaceFunction& function, std::span<const Vec3> places, Progress& progress) {
   progress.begin("evaluate");
   const std::size_t n = places.size();
   std::vector<Vec3> x(n);
   for (std::size_t i = 0; i < n; ++i) x[i] = function.place.from_input(places[i]);
-  EvaluateResult result;
+  ProbeFunctionResult result;
   result.values.resize(n);
   level_set_points(function.field, x, kLevelSetStep * function.field.report().spacing, result.values);
   const double unit = function.place.unit;
-  EvaluateReport& r = result.report;
+  ProbeFunctionReport& r = result.report;
   std::vector<double> size(n);
   for (std::size_t i = 0; i < n; ++i) {
     LevelSetPoint& p = result.values[i];

@@ -1,0 +1,71 @@
+#include "sansmesh/io/raw_layout.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <iterator>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+namespace {
+
+/// "256x256x128", or with commas.
+struct SizeWords {
+  using Sizes = std::array<std::size_t, 3>;
+  static constexpr auto kind = OptionKind::text;
+  static OptionValue get(const Sizes& n) {
+    return n == Sizes{} ? std::string() : fmt::format("{}x{}x{}", n[0], n[1], n[2]);
+  }
+  static Sizes from(const OptionValue& value) {
+    const auto& text = std::get<std::string>(value);
+    Sizes sizes{};
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    bool good = true;
+    for (std::size_t k = 0; k < 3 && good; ++k) {
+      if (k > 0) good = at != end && (*at == 'x' || *at == ',') && (++at, true);
+      const auto [next, error] = std::from_chars(at, end, sizes[k]);
+      good = good && error == std::errc() && sizes[k] >= 1;
+      at = next;
+    }
+    if (!good || at != end)
+      throw ArgumentError(
+          ArgumentFault{.field = {}, .value = text, .allowed = "three numbers such as 256x256x128", .remedy = {}});
+    return sizes;
+  }
+};
+
+template <std::size_t... k>
+constexpr std::array<std::string_view, sizeof...(k)> type_names(std::index_sequence<k...> /*all*/) {
+  return {name_of(static_cast<NumberType>(k))...};
+}
+
+constexpr auto kTypeNames = type_names(std::make_index_sequence<static_cast<std::size_t>(NumberType::f64) + 1>());
+
+}  // namespace
+
+const OptionSchema& RawLayout::schema() {
+  using O = RawLayout;
+  static constexpr OptionRow rows[] = {
+      option<&O::dims, SizeWords>(
+          {.text = "Raw files: numbers of values along x, y and z, 256x256x128", .unit = "nx,ny,nz"}),
+      option<&O::type>({.text = "Of raw values: int8, uint8, int16, …, float, double",
+                        .unit = "type",
+                        .choices = kTypeNames,
+                        .needs = "dims"}),
+      option<&O::spacing>({.text = "Of raw values along x, y and z", .range = positive(), .needs = "dims"}),
+      option<&O::big_endian>({.text = "Raw values have their high byte first", .needs = "dims"}),
+      option<&O::components>({.text = "Numbers at each place of raw files, side by side",
+                              .range = at_least(1),
+                              .name = "raw_components",
+                              .needs = "dims"}),
+      option<&O::header_bytes>(
+          {.text = "That come before raw values", .unit = "bytes", .range = at_least(0), .needs = "dims"}),
+  };
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+}  // namespace sansmesh

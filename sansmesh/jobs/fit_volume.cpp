@@ -1,0 +1,32 @@
+#include "sansmesh/jobs/fit_volume.h"
+
+#include <fmt/core.h>
+
+namespace sansmesh {
+
+const OptionSchema& FitVolumeOptions::schema() {
+  using O = FitVolumeOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::all>({.text = "Keep the other arrays as well, for other reconstructions and to carry along"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+FitVolumeResult fit_volume(VolumeModel& volume, const FitVolumeOptions& options, Progress& progress) {
+  FitVolumeResult result;
+  result.fitted = volume.fit(options.all, progress, result.notes);
+  FitVolumeReport& r = result.report;
+  r.reconstruction = volume.report();
+  r.samples = result.fitted.volume->size();
+  r.by_degree = result.fitted.coefficients.by_degree();
+  if (result.fitted.coefficients.empty())
+    result.notes.push_back({.code = "no_coefficients",
+                            .text = fmt::format("{} has no coefficients to keep: the samples alone are kept",
+                                                *result.fitted.chosen.method),
+                            .remedy = {},
+                            .severity = Note::Severity::information,
+                            .of = volume.name()});
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,75 @@
+#include "sansmesh/jobs/probe_volume.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "sansmesh/core/number_words.h"
+
+namespace sansmesh {
+namespace {
+
+std::vector<std::string> component_names(const std::string& array, std::size_t components) {
+  if (components == 1) return {array};
+  std::vector<std::string> names;
+  names.reserve(components);
+  for (std::size_t c = 0; c < components; ++c) names.push_back(fmt::format("{}_{}", array, c));
+  return names;
+}
+
+/// A name as a field of a table: quoted where it has to be.
+std::string csv_name(const std::string& name) {
+  if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
+  std::string quoted = "\"";
+  for (const char c : name) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+}  // namespace
+
+ProbeResult probe_volume(VolumeModel& volume, std::span<const Vec3> points, Progress& progress) {
+  ProbeResult result;
+  const auto field = volume.field(progress, result.notes);
+  progress.begin("probe");
+  const std::size_t n = points.size(), components = field->components();
+  result.points.assign(points.begin(), points.end());
+  result.names = component_names(volume.array_name(), components);
+  result.values.resize(n * components), result.gradients.resize(n * components), result.inside.resize(n);
+  field->evaluate(result.points, {result.values, result.gradients, result.inside, {}});
+  result.report.reconstruction = volume.report();
+  result.report.inside = static_cast<std::size_t>(std::count(result.inside.begin(), result.inside.end(), 1));
+  if (n > 0 && result.report.inside == 0) {
+    const Box3 box = field->bounds();
+    result.notes.push_back(
+        {.code = "outside",
+         .text = fmt::format("none of {} lies in the volume, which reaches from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, "
+                             "{:.6g}, {:.6g})",
+                             counted(n, "point"), box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y,
+                             box.upper.z),
+         .remedy = {},
+         .of = volume.name()});
+  }
+  return result;
+}
+
+std::string probe_table(const ProbeResult& p) {
+  std::string text = "x,y,z";
+  for (const std::string& name : p.names)
+    text += fmt::format(",{},{},{},{}", csv_name(name), csv_name(name + "_dx"), csv_name(name + "_dy"),
+                        csv_name(name + "_dz"));
+  text += ",inside\n";
+  const std::size_t n = p.names.size();
+  for (std::size_t i = 0; i < p.points.size(); ++i) {
+    const Vec3& x = p.points[i];
+    fmt::format_to(std::back_inserter(text), "{},{},{}", x.x, x.y, x.z);
+    for (std::size_t c = 0; c < n; ++c) {
+      const Vec3& d = p.gradients[i * n + c];
+      fmt::format_to(std::back_inserter(text), ",{},{},{},{}", p.values[i * n + c], d.x, d.y, d.z);
+    }
+    fmt::format_to(std::back_inserter(text), ",{}\n", p.inside[i]);
+  }
+  return text;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,21 @@
+#include "sansmesh/jobs/resample.h"
+
+#include <algorithm>
+#include <cstdint>
+
+namespace sansmesh {
+
+ResampleResult resample(VolumeModel& volume, const ResampleOptions& options, Progress& progress) {
+  options.validate();
+  ResampleResult result;
+  const auto field = volume.field(progress, result.notes);
+  result.block = volume.naming([&] { return resample_volume(*field, volume.array_name(), options, progress); });
+  const AttributeTable& arrays = result.block.point_arrays;
+  const auto& inside = *arrays[arrays.size() - 1].as<std::uint8_t>();
+  result.report.reconstruction = volume.report();
+  result.report.inside =
+      static_cast<double>(std::count(inside.begin(), inside.end(), 1)) / static_cast<double>(inside.size());
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,29 @@
+// A volume on a uniform grid.
+#pragma once
+
+#include <vector>
+
+#include "sansmesh/core/note.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/grid_data.h"
+#include "sansmesh/dataset/resample_volume.h"
+#include "sansmesh/jobs/volume_model.h"
+
+namespace sansmesh {
+
+struct ResampleReport {
+  ReconstructionReport reconstruction;
+  double inside = 0;  ///< share of the values that lie in the volume
+};
+
+struct ResampleResult {
+  GridBlock block;  ///< as resample_volume makes it
+  ResampleReport report;
+  std::vector<Note> notes;  ///< those of VolumeModel::field
+};
+
+/// The array that the volume was opened with. Throws as VolumeModel::field, ArgumentError for bad options, DataError
+/// where values do not fit into floats, Cancelled.
+ResampleResult resample(VolumeModel& volume, const ResampleOptions& options, Progress& progress);
+
+}  // namespace sansmesh

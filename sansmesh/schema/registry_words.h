@@ -1,0 +1,38 @@
+// Names of a registry as the words of an option.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sansmesh/schema/option.h"
+#include "sansmesh/schema/registry.h"
+
+namespace sansmesh {
+
+/// For `option<&Options::method, RegistryWords<VolumeMethod>>`, whose `choices` are names(). Programs add entries
+/// before options are asked for.
+template <class Entry>
+struct RegistryWords {
+  static constexpr auto kind = OptionKind::choice;
+
+  static const std::vector<std::string_view>& names() {
+    static const std::vector<std::string_view> list = [] {
+      std::vector<std::string_view> all;
+      for (const Entry* const entry : Entry::registry().all()) all.emplace_back(entry->name);
+      return all;
+    }();
+    return list;
+  }
+  static OptionValue get(const std::string& name) {
+    for (std::size_t i = 0; i < names().size(); ++i)
+      if (names()[i] == name) return static_cast<std::int64_t>(i);
+    return std::int64_t{-1};
+  }
+  static std::string from(const OptionValue& value) {
+    return std::string(names().at(static_cast<std::size_t>(std::get<std::int64_t>(value))));
+  }
+};
+
+}  // namespace sansmesh

@@ -1,0 +1,47 @@
+// A reconstruction of volumes of its own: in every place the mean of all samples.
+#include <algorithm>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/volume/volume_method.h"
+
+namespace sansmesh {
+namespace {
+
+class MeanField : public VolumeField {
+ public:
+  explicit MeanField(const ReconstructionInput& input) : box_(input.volume->bounds()), means_(input.values.components) {
+    const std::size_t n = means_.size(), rows = input.values.values.size() / n;
+    for (std::size_t i = 0; i < rows; ++i)
+      for (std::size_t k = 0; k < n; ++k) means_[k] += input.values.values[i * n + k] / static_cast<double>(rows);
+  }
+
+  Box3 bounds() const override { return box_; }
+  std::size_t components() const override { return means_.size(); }
+  void evaluate(std::span<const Vec3> x, const VolumeAnswers& found) const override {
+    const std::size_t n = means_.size();
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      const bool inside = box_.contains(x[i]);
+      for (std::size_t k = 0; k < n && !found.values.empty(); ++k) found.values[i * n + k] = means_[k];
+      if (!found.inside.empty()) found.inside[i] = inside;
+    }
+    std::fill(found.gradients.begin(), found.gradients.end(), Vec3{});
+    std::fill(found.degrees.begin(), found.degrees.end(), std::uint8_t{0});
+  }
+  void spacing(std::span<const Vec3> x, std::span<double> found) const override {
+    std::fill_n(found.begin(), x.size(), box_.diagonal() / 100);
+  }
+
+ private:
+  Box3 box_;
+  std::vector<double> means_;
+};
+
+std::unique_ptr<VolumeField> make_mean(ReconstructionInput input) { return std::make_unique<MeanField>(input); }
+
+const Registered<VolumeMethod> mean(
+    {.name = "mean", .summary = "the mean of all samples", .grids = "all", .make = make_mean});
+
+}  // namespace
+}  // namespace sansmesh
