@@ -13,7 +13,8 @@
 #include "option_groups.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/transform_file.h"
-#include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/jobs/align_picture.h"
+#include "sansmesh/jobs/cloud_or_mesh.h"
 #include "schema_options.h"
 #include "surface_input.h"
 
@@ -26,37 +27,6 @@ struct AlignArguments {
   std::string transform_output, start;
   SurfaceAlignmentOptions options;
 };
-
-constexpr Vec3f kMovedColor{0.94f, 0.55f, 0.12f}, kFixedColor{0.72f, 0.74f, 0.77f};
-
-/// What has moved, in a colour, and what it was moved onto.
-void draw(const MeshOutput& output, const TriangleMesh& moved, const TriangleMesh& fixed, Progress& progress) {
-  RenderOptions look = output.picture.chosen();
-  look.use_colors = false;
-  std::vector<PictureSurface> surfaces;
-  std::vector<Vec3> places;
-  for (const TriangleMesh* const mesh : {&moved, &fixed}) {
-    look.surface_color = mesh == &moved ? kMovedColor : kFixedColor;
-    surfaces.push_back(surface_in_picture(*mesh, look));
-    for (const Vec3f& p : mesh->vertices)
-      if (is_finite(p)) places.push_back(mesh->origin + Vec3(p));
-  }
-  const Image image = render_surfaces(surfaces, places, false, false, look, progress);
-  output.picture.write(output.preview, image, look);
-}
-
-/// What moves, with all that belongs to it: of functions the mesh.
-PointSet as_cloud(TriangleMesh mesh) {
-  PointSet points;
-  points.origin = mesh.origin;
-  points.positions = std::move(mesh.vertices);
-  points.normals = std::move(mesh.normals);
-  points.colors = std::move(mesh.colors);
-  points.attributes = std::move(mesh.attributes);
-  points.triangles = std::move(mesh.triangles);
-  points.triangle_attributes = std::move(mesh.triangle_attributes);
-  return points;
-}
 
 void run_align(const AlignArguments& a, Console& console) {
   AffineMap before;
@@ -74,10 +44,13 @@ void run_align(const AlignArguments& a, Console& console) {
   console.note(moving_file, made.notes);
   const SurfaceAlignment& r = made.report;
   const std::size_t vertices = made.moved.vertices.size(), triangles = made.moved.triangles.size();
-  if (!a.output.preview.empty()) draw(a.output, made.moved, *made.fixed, progress);
+  if (!a.output.preview.empty()) {
+    const RenderOptions look = a.output.picture.chosen();
+    a.output.picture.write(a.output.preview, draw_alignment(made, look, progress), look);
+  }
   progress.begin("write");
   if (!output.empty() && points) {
-    const PointSet cloud = as_cloud(std::move(made.moved));
+    const PointSet cloud = vertices_of(std::move(made.moved));
     console.warn(moving_file, loss_words(moving.read, output, cloud));
     write_points(output, cloud, {.ascii = a.output.ascii});
   } else if (!output.empty()) {

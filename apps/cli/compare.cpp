@@ -1,12 +1,12 @@
 // sansmesh compare: the inspection map, how far every place of a part lies from where it should.
 #include "sansmesh/jobs/compare.h"
-#include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/jobs/cloud_or_mesh.h"
+#include "sansmesh/jobs/compare_picture.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,10 +15,8 @@
 #include "align_report.h"
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/render/picture_notes.h"
 #include "schema_options.h"
 #include "surface_input.h"
 
@@ -86,81 +84,28 @@ void say_histogram(const DistanceMap& map, Console& console) {
   line(fmt::format("above {:.4g}", s.range), s.above_range);
 }
 
-/// A point cloud with the distances as an attribute and as colours.
-PointSet as_points(const TriangleMesh& mesh) {
-  PointSet points;
-  points.origin = mesh.origin;
-  points.positions = mesh.vertices;
-  points.normals = mesh.normals;
-  points.colors = mesh.colors;
-  points.attributes = mesh.attributes;
-  return points;
-}
-
-/// The colours of a map as a scale: those of distance_color from −range, or 0, to range.
-TransferFunction scale_of(double range, bool both_sides) {
-  constexpr int kSteps = 16;
-  TransferFunction scale;
-  for (int k = both_sides ? -kSteps : 0; k <= kSteps; ++k) {
-    const double value = range * k / kSteps;
-    const auto [r, g, b] = distance_color(static_cast<float>(value), range);
-    scale.colors.push_back({value, {from_byte(r), from_byte(g), from_byte(b)}});
-  }
-  scale.opacities = {{scale.colors.front().value, 1}, {scale.colors.back().value, 1}};
-  return scale;
-}
-
-constexpr const char* kTitle = "distance";
-/// Numbers of a scale may be as wide as those of this range.
-constexpr double kWidestRange = 1.2e-100;
-/// Pixels that are left for the surface beside the scale, at least.
-constexpr int kLeastPicture = 100;
-
 void check_arguments(const CompareArguments& a) {
   a.options.validate();
   if (!a.output.empty()) check_writable(a.output, "text");
-  a.picture.options.validate();
+  const RenderOptions look = a.picture.chosen();
+  look.validate();
   if (a.preview.empty()) return;
   check_writable(a.preview, "image");
-  const int width = a.picture.options.width, height = a.picture.options.height;
-  const int scale = value_bar_width(height, scale_of(kWidestRange, true), with_unit(kTitle, a.unit));
-  if (scale > 0 && width < scale + kLeastPicture)
-    throw ArgumentError(fmt::format("--width {} is too narrow: a picture {} high takes {} with its scale, or more",
-                                    width, height, scale + kLeastPicture));
-}
-
-/// Colours are to be read: no shadows, and a background that is not taken for white.
-RenderOptions picture_options(const CompareArguments& a) {
-  RenderOptions picture = a.picture.chosen();
-  picture.background = RenderOptions::Background::solid;
-  picture.background_color = {0.93f, 0.94f, 0.95f};
-  picture.shadows = picture.ground = false;
-  return picture;
+  check_map_picture(look, a.unit);
 }
 
 /// The mesh has the colours of the map.
-void write_map(const CompareArguments& a, const TriangleMesh& mesh, const DistanceMap& map, RenderOptions picture,
-               Progress& progress) {
-  Image image;
-  if (!a.preview.empty()) {
-    const TransferFunction scale = scale_of(map.statistics.range, map.has_sides);
-    std::vector<double> marks;
-    if (const auto& most = a.options.map.tolerance) marks = {-*most, *most};
-    const DistanceStatistics& s = map.statistics;
-    const std::string title = with_unit(kTitle, a.unit);
-    picture.width -= value_bar_width(picture.height, scale, title);
-    const Image paper = paper_beside(picture);
-    image = beside_value_bar(render_mesh(mesh, picture, progress), scale, title, marks, &paper,
-                             {map.has_sides && (s.lowest < -s.range), (s.highest > s.range)});
-  }
+void write_map(const CompareArguments& a, const CompareResult& made, Progress& progress) {
+  MapPicture picture;
+  if (!a.preview.empty()) picture = draw_map(made, a.options, a.picture.chosen(), a.unit, progress);
   if (!a.output.empty() || !a.preview.empty()) progress.begin("write");
   if (!a.output.empty()) {
-    if (mesh.triangles.empty())
-      write_points(a.output, as_points(mesh), {.ascii = a.ascii});
+    if (made.mesh.triangles.empty())
+      write_points(a.output, vertices_of(made.mesh), {.ascii = a.ascii});
     else
-      write_mesh(a.output, mesh, {.ascii = a.ascii});
+      write_mesh(a.output, made.mesh, {.ascii = a.ascii});
   }
-  if (!a.preview.empty()) a.picture.write(a.preview, image, picture);
+  if (!a.preview.empty()) a.picture.write(a.preview, picture.image, picture.look);
 }
 
 /// What was left out, and what was written.
@@ -216,7 +161,6 @@ Json to_json(const CompareArguments& a, const CompareResult& made, const Json& p
 
 void run_compare(const CompareArguments& a, Console& console) {
   check_arguments(a);
-  const RenderOptions picture = picture_options(a);
   Progress& progress = console.progress();
   const SurfaceInput part = open_surface(a.part, console), reference = open_surface(a.reference, console);
   const bool reversed = a.options.on == MapSide::reference;
@@ -226,7 +170,7 @@ void run_compare(const CompareArguments& a, Console& console) {
   if (!a.output.empty()) check_writable(a.output, points ? "points" : "mesh");
   const CompareResult made = compare(part.surface, reference.surface, a.options, progress);
   console.note(mapped.name(), made.notes);
-  write_map(a, made.mesh, made.map, picture, progress);
+  write_map(a, made, progress);
   progress.finish();
 
   console.say(fmt::format("{}: {} of {} {} compared with {} ({})", mapped.name(), grouped(made.map.measured),

@@ -33,6 +33,16 @@ std::string left_of(std::size_t before, const CloudOrMesh& data) {
 
 }  // namespace
 
+PointSet vertices_of(TriangleMesh mesh) {
+  PointSet points;
+  points.origin = mesh.origin;
+  points.positions = std::move(mesh.vertices);
+  points.normals = std::move(mesh.normals);
+  points.colors = std::move(mesh.colors);
+  points.attributes = std::move(mesh.attributes);
+  return points;
+}
+
 CloudOrMesh::CloudOrMesh(PointSet read) : is_mesh(!read.triangles.empty()) {
   const bool several = std::any_of(read.scan_of_point.begin(), read.scan_of_point.end(),
                                    [&](std::uint16_t scan) { return scan != read.scan_of_point.front(); });
@@ -67,12 +77,7 @@ Box3 CloudOrMesh::bounds() const {
 
 void CloudOrMesh::make_points() {
   if (!is_mesh) return;
-  points.origin = mesh.origin;
-  points.positions = std::move(mesh.vertices);
-  points.normals = std::move(mesh.normals);
-  points.colors = std::move(mesh.colors);
-  points.attributes = std::move(mesh.attributes);
-  mesh = {};
+  points = vertices_of(std::exchange(mesh, {}));
   is_mesh = false;
 }
 

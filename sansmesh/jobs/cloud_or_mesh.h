@@ -12,6 +12,9 @@
 
 namespace sansmesh {
 
+/// The vertices of a mesh, with all that belongs to them.
+PointSet vertices_of(TriangleMesh mesh);
+
 /// A cloud, or a mesh.
 struct CloudOrMesh {
   bool is_mesh = false;

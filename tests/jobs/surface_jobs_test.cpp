@@ -8,9 +8,11 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/jobs/align.h"
+#include "sansmesh/jobs/align_picture.h"
 #include "sansmesh/jobs/any_surface.h"
 #include "sansmesh/jobs/assess.h"
 #include "sansmesh/jobs/compare.h"
+#include "sansmesh/jobs/compare_picture.h"
 #include "sansmesh/jobs/measure.h"
 #include "sansmesh/jobs/section.h"
 #include "support/mesh_shapes.h"
@@ -233,6 +235,37 @@ TEST(CompareJob, AlignsWhereItIsAskedTo) {
   EXPECT_THROW(compare(moving, fixed, {.alignment = {.scale = true}}, progress), ArgumentError);
   EXPECT_THROW(compare(sphere_function(), fixed, {.on = MapSide::reference, .align = true}, progress), ArgumentError);
   EXPECT_THROW(compare(moving, fixed, {.refine = -1}, progress), ArgumentError);
+}
+
+TEST(CompareJob, DrawsTheMapBesideItsScale) {
+  Progress progress;
+  const AnySurface part(octasphere(4), "part.ply"), design(moved_by(octasphere(4), {0.1, 0, 0}), "design.stl");
+  CompareOptions options;
+  options.map.tolerance = 0.05;
+  const CompareResult made = compare(part, design, options, progress);
+  RenderOptions look;
+  look.width = 300, look.height = 150, look.samples = 1;
+  const MapPicture picture = draw_map(made, options, look, "mm", progress);
+  EXPECT_EQ(picture.image.width, 300);
+  EXPECT_LT(picture.look.width, 300);
+  EXPECT_FALSE(picture.look.shadows);
+  look.width = 120;
+  EXPECT_NE(error_text([&] { draw_map(made, options, look, "mm", progress); }).find("`width = 120`"),
+            std::string::npos);
+  EXPECT_THROW(check_map_picture(look, "mm"), ArgumentError);
+}
+
+TEST(AlignJob, DrawsWhatHasMovedInOrange) {
+  Progress progress;
+  const AnySurface fixed(brick(), "fixed.ply"), moving(moved_by(brick(), {0.05, 0, 0}), "moving.ply");
+  const AlignResult made = align(moving, fixed, {}, progress);
+  RenderOptions look;
+  look.width = 80, look.height = 60, look.samples = 1;
+  const Image image = draw_alignment(made, look, progress);
+  std::size_t orange = 0;
+  for (int y = 0; y < 60; ++y)
+    for (int x = 0; x < 80; ++x) orange += image.at(x, y)[0] > 1.5f * image.at(x, y)[2];
+  EXPECT_GT(orange, 50u);
 }
 
 }  // namespace
