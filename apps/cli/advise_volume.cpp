@@ -3,14 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
-#include <cmath>
-#include <optional>
-#include <utility>
-#include <vector>
 
-#include "sansmesh/advise/advise_volume.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/volume_advice.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -34,38 +31,55 @@ std::string raw_words(const VolumeReadOptions& read) {
 
 std::string share_words(double share) { return fmt::format("{:.2g} %", 100 * share); }
 
-/// The vectors of a flow: the array that is looked at, if they are that, else the first.
-const DatasetArray* flow_array(const VolumeDataset& dataset, const std::string& looked_at) {
-  const DatasetArray* found = nullptr;
-  for (const DatasetArray& a : dataset.arrays()) {
-    if (a.components != 2 && a.components != 3) continue;
-    if (a.name == looked_at) return &a;
-    if (!found) found = &a;
-  }
-  return found;
+std::string seeds_words(const std::array<Vec3, 2>& ends) {
+  const Vec3 &a = ends[0], &b = ends[1];
+  return fmt::format("--seeds 'line({:.4g},{:.4g},{:.4g}, {:.4g},{:.4g},{:.4g}, 256)'", a.x, a.y, a.z, b.x, b.y, b.z);
 }
 
-/// A line of seeds across the flow, through the middle of the box: along the longer of the two axes that the flow does
-/// not follow. Where it follows none it is as good as any other line.
-std::string seed_line(const SampledVolume& volume, const DatasetArray& flow) {
-  const Box3 box = volume.bounds();
-  const Vec3 size = box.size(), middle = box.center();
-  std::size_t along = 0;
-  for (std::size_t c = 1; c < flow.components; ++c)
-    if (std::abs(flow.least[c] + flow.most[c]) > std::abs(flow.least[along] + flow.most[along])) along = c;
-  const double extent[3] = {size.x, size.y, size.z};
-  std::size_t across = along == 0 ? 1 : 0;
-  for (std::size_t c = 0; c < 3; ++c)
-    if (c != along && extent[c] > extent[across]) across = c;
-  Vec3 from = middle, to = middle;
-  // A twentieth inside: at the very border there is often no flow, or none that leads in.
-  const auto ends = [&](double Vec3::*axis) {
-    from.*axis = box.lower.*axis + 0.05 * size.*axis;
-    to.*axis = box.upper.*axis - 0.05 * size.*axis;
-  };
-  ends(across == 0 ? &Vec3::x : across == 1 ? &Vec3::y : &Vec3::z);
-  return fmt::format("--seeds 'line({:.4g},{:.4g},{:.4g}, {:.4g},{:.4g},{:.4g}, 256)'", from.x, from.y, from.z, to.x,
-                     to.y, to.z);
+/// The command that makes what is recommended; `files` with all that has to be said of them again.
+std::string command_of(const VolumeRecommendation& r, const VolumeAdvice& advice, const std::string& files,
+                       bool several) {
+  const bool series = advice.offer.steps > 1;
+  const std::string array = advice.array.empty() ? "" : " --array " + shell_word(advice.array);
+  std::string flow;
+  // Of several files steps and blocks look the same.
+  if (!advice.flow.empty() && !(series && several))
+    flow = fmt::format(" --array {}{}", shell_word(advice.flow), series ? " --unsteady" : "");
+  const std::string seeds = advice.seeds ? seeds_words(*advice.seeds) : "";
+  const char* const both = series ? "" : " --direction both";
+  switch (r.aim) {
+    case VolumeAim::values:
+      return fmt::format("sansmesh volume probe {}{} --points where.csv -o values.csv", files, array);
+    case VolumeAim::grid:
+      return fmt::format("sansmesh volume resample {}{} -o resampled.vti", files, array);
+    case VolumeAim::surface:
+      return fmt::format("sansmesh volume {} {}{} --value {:.4g} -o surface.ply",
+                         r.by_samples ? "surface" : "isosurface", files, array, advice.value);
+    case VolumeAim::border:
+      return fmt::format("sansmesh volume surface {}{} --high-gradient -o border.ply", files, array);
+    case VolumeAim::picture:
+      return fmt::format("sansmesh volume render {}{} -o picture.png", files, array);
+    case VolumeAim::lines:
+      return fmt::format("sansmesh flow lines {}{} -o lines.vtp --preview lines.png", files, flow);
+    case VolumeAim::flow_surface:
+      return fmt::format("sansmesh flow surface {}{} {}{} -o flow.ply", files, flow, seeds, both);
+    case VolumeAim::flow_picture:
+      return fmt::format("sansmesh flow render {}{} {}{} -o flow.png", files, flow, seeds, both);
+    case VolumeAim::deformation:
+      return fmt::format("sansmesh deform {}{} --handles handles.json -o deformed.png", files, array);
+    case VolumeAim::forces:
+      return fmt::format("sansmesh simulate {} --animation moved.png", files);
+  }
+  return {};
+}
+
+void say_traits(const VolumeTraits& t, Console& console) {
+  console.say(fmt::format(
+      "  left out, a sample is missed by {} of the range by its neighbours' mean, {} by planes, {} by "
+      "parabolas, {} by cubics",
+      share_words(t.left_out[0]), share_words(t.left_out[1]), share_words(t.left_out[2]), share_words(t.left_out[3])));
+  console.say(fmt::format("  noise at most {} of the range; steps at {} of the samples", share_words(t.noise),
+                          share_words(t.steps)));
 }
 
 }  // namespace
@@ -83,60 +97,19 @@ std::string shell_word(const std::string& name) {
 void run_volume_advise(const VolumeInput& input, Console& console) {
   VolumeInput any = input;
   any.bare = true;
-  OpenVolume volume(any, console);
-  const VolumeDataset& dataset = volume.dataset();
-  VolumeOffer offer;
-  offer.values = !dataset.arrays().empty();
-  offer.steps = std::max<std::size_t>(dataset.times().size(), 1);
-  const auto samples = volume.samples();
-  // Cells of lattices and of bodies of fluid are no bodies; unstructured ones may be.
-  offer.body = samples->facts.grid == "unstructured";
-  offer.lattice = samples->lattice.has_value();
-  if (!offer.values && !offer.body)
-    throw FileError(input.name(), "holds no arrays, and no cells that could move: there is nothing to advise");
-
-  std::string files;
-  for (const std::string& file : input.files) files += (files.empty() ? "" : " ") + shell_word(file);
-  files += raw_words(input.read);
-  Json json = {{"input", volume.json()}};
-  std::string array, flow;
-  double middle = 0;
-  const DatasetArray* vectors = nullptr;
-  if (offer.values) {
-    // As it was given; of a vector its magnitude, which surfaces and pictures can be of.
-    const ArrayChoice& choice = volume.choice();
-    const DatasetArray& of = dataset.array(choice.array);
-    const bool vector = of.components > 1 && !choice.component;
-    array = " --array " + shell_word(vector ? of.name + ":magnitude" : input.array.empty() ? of.name : input.array);
-    if (vector) {
-      for (std::size_t i = 0; i < samples->size(); ++i) middle += volume.sample_value(i);
-      middle /= static_cast<double>(samples->size());
-    } else {
-      middle = volume.model().middle_value();
-    }
-    vectors = flow_array(dataset, of.name);
-    offer.vectors = vectors != nullptr;
-    offer.traits = volume.model().traits(console.progress());
-    offer.suited = volume.model().suited(console.progress());
-  }
-  if (vectors) {
-    flow = fmt::format(" --array {}{}", shell_word(vectors->name), offer.steps > 1 ? " --unsteady" : "");
-    if (offer.steps > 1 && input.files.size() > 1) flow.clear();  // of several files steps and blocks look the same
-  }
+  VolumeModel volume = any.open(console);
+  const VolumeAdvice advice = advise(volume, console.progress());
+  const VolumeOffer& offer = advice.offer;
   console.progress().finish();
 
-  const VolumeTraits& t = offer.traits;
-  const std::string name(info_of(offer.suited.method).name);
+  const auto samples = volume.samples(console.progress());
+  Json json = {{"input", json_of_volume(input, volume, console.progress())}};
   if (offer.values) {
-    console.say(fmt::format("{}: {} of {} ({}{})", input.name(), counted(t.samples, "sample"), volume.array_name(),
+    const VolumeTraits& t = offer.traits;
+    const std::string name(info_of(offer.suited.method).name);
+    console.say(fmt::format("{}: {} of {} ({}{})", volume.name(), counted(t.samples, "sample"), volume.array_name(),
                             samples->facts.grid, offer.steps > 1 ? fmt::format(", {} steps", offer.steps) : ""));
-    console.say(
-        fmt::format("  left out, a sample is missed by {} of the range by its neighbours' mean, {} by planes, {} by "
-                    "parabolas, {} by cubics",
-                    share_words(t.left_out[0]), share_words(t.left_out[1]), share_words(t.left_out[2]),
-                    share_words(t.left_out[3])));
-    console.say(fmt::format("  noise at most {} of the range; steps at {} of the samples", share_words(t.noise),
-                            share_words(t.steps)));
+    say_traits(t, console);
     console.say(fmt::format("{:<16}{}, since it is {}", "reconstruction", name, offer.suited.why));
     json["array"] = volume.choice().array;
     json["samples"] = t.samples;
@@ -148,44 +121,19 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
     json["method"] = name;
     json["why"] = offer.suited.why;
   } else {
-    console.say(fmt::format("{}: {}, {} ({}), no arrays", input.name(), counted(samples->facts.points, "point"),
+    console.say(fmt::format("{}: {}, {} ({}), no arrays", volume.name(), counted(samples->facts.points, "point"),
                             counted(samples->facts.cells, "cell"), samples->facts.grid));
   }
 
-  const auto command_of = [&](const VolumeRecommendation& r) -> std::string {
-    const char* const both = offer.steps > 1 ? "" : " --direction both";
-    switch (r.aim) {
-      case VolumeAim::values:
-        return fmt::format("sansmesh volume probe {}{} --points where.csv -o values.csv", files, array);
-      case VolumeAim::grid:
-        return fmt::format("sansmesh volume resample {}{} -o resampled.vti", files, array);
-      case VolumeAim::surface:
-        return fmt::format("sansmesh volume {} {}{} --value {:.4g} -o surface.ply",
-                           r.by_samples ? "surface" : "isosurface", files, array, middle);
-      case VolumeAim::border:
-        return fmt::format("sansmesh volume surface {}{} --high-gradient -o border.ply", files, array);
-      case VolumeAim::picture:
-        return fmt::format("sansmesh volume render {}{} -o picture.png", files, array);
-      case VolumeAim::lines:
-        return fmt::format("sansmesh flow lines {}{} -o lines.vtp --preview lines.png", files, flow);
-      case VolumeAim::flow_surface:
-        return fmt::format("sansmesh flow surface {}{} {}{} -o flow.ply", files, flow, seed_line(*samples, *vectors),
-                           both);
-      case VolumeAim::flow_picture:
-        return fmt::format("sansmesh flow render {}{} {}{} -o flow.png", files, flow, seed_line(*samples, *vectors),
-                           both);
-      case VolumeAim::deformation:
-        return fmt::format("sansmesh deform {}{} --handles handles.json -o deformed.png", files, array);
-      case VolumeAim::forces:
-        return fmt::format("sansmesh simulate {} --animation moved.png", files);
-    }
-    return {};
-  };
+  std::string files;
+  for (const std::string& file : input.files) files += (files.empty() ? "" : " ") + shell_word(file);
+  files += raw_words(input.read);
   json["commands"] = Json::array();
-  for (const VolumeRecommendation& r : advise_volume(offer)) {
+  for (const VolumeRecommendation& r : advice.recommendations) {
+    const std::string command = command_of(r, advice, files, input.files.size() > 1);
     console.say(fmt::format("{:<16}{}", aim_word(r.aim), r.why));
-    console.say("  $ " + command_of(r));
-    json["commands"].push_back({{"aim", aim_word(r.aim)}, {"why", r.why}, {"command", command_of(r)}});
+    console.say("  $ " + command);
+    json["commands"].push_back({{"aim", aim_word(r.aim)}, {"why", r.why}, {"command", command}});
   }
   console.say_json(json);
   console.print_timings();

@@ -11,19 +11,17 @@
 #include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/meshing/component_words.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/triangulation/block_tree.h"
+#include "schema_options.h"
 
 namespace sansmesh::cli {
 
 ComponentChoice parse_components(const std::string& text) {
-  using Kind = ComponentChoice::Kind;
-  if (text == "auto") return {};
-  if (text == "all") return {.kind = Kind::all};
-  if (text == "largest") return {.kind = Kind::count, .count = 1};
-  const auto count = whole_in(text, 1, std::numeric_limits<int>::max());
-  if (!count) throw must_be("auto, all, largest or a number of at least 1", text);
-  return {.kind = Kind::count, .count = static_cast<int>(*count)};
+  ComponentChoice choice;
+  in_words_of_the_line([&] { option_of_text(text, choice); });
+  return choice;
 }
 
 void require(bool ok, const char* message) {

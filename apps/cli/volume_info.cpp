@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/jobs/volume_info.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -44,22 +45,6 @@ void describe_array(const DatasetArray& a, Console& console, Json& list) {
                   {"not_finite", a.not_finite}});
 }
 
-/// What was left out or mended, as far as there is anything.
-std::vector<std::string> mended(const VolumeFacts& f) {
-  std::vector<std::string> lines;
-  const auto add = [&](std::size_t n, const char* what, const std::string& text) {
-    if (n > 0) lines.push_back(fmt::format("{} {}", counted(n, what), text));
-  };
-  add(f.merged, "point", "at the place of another: one sample each place");
-  add(f.not_finite, "point", "without finite coordinates left out");
-  add(f.hidden, "point", "or cells hidden (blanked, covered by finer levels, ghosts)");
-  add(f.overlapped, "sample", "left out since a finer block covers their place");
-  add(f.degenerate, "cell", "without volume or with corners that coincide");
-  add(f.inverted, "cell", "inside out, turned");
-  if (f.layer > 0) lines.push_back(fmt::format("a single layer, taken as a slab {} thick", length(f.layer)));
-  return lines;
-}
-
 /// The reconstruction that a fitted volume holds.
 void describe_fitted(const FittedVolume& fitted, Console& console, Json& json) {
   const ReconstructionOptions& o = fitted.chosen;
@@ -92,13 +77,14 @@ void describe_fitted(const FittedVolume& fitted, Console& console, Json& json) {
 void run_volume_info(const VolumeInput& input, Console& console) {
   VolumeInput any = input;
   any.bare = true;
-  OpenVolume volume(any, console);
-  const auto samples = volume.samples();
+  VolumeModel volume = any.open(console);
+  const VolumeInfo info = volume_info(volume, console.progress());
+  const auto& samples = info.samples;
   const VolumeFacts& f = samples->facts;
   const Box3 box = samples->bounds();
   const Vec3 size = box.size();
   console.progress().finish();
-  VolumeDataset& dataset = volume.dataset();
+  const VolumeDataset& dataset = volume.dataset();
 
   console.say(fmt::format("{}: {}", input.name(), dataset.format()));
   say(console, "grid",
@@ -117,8 +103,7 @@ void run_volume_info(const VolumeInput& input, Console& console) {
       fmt::format("{} to {}, median {}; cells up to {:.3g} times as long as wide", length(f.least_spacing),
                   length(f.most_spacing), length(f.median_spacing), f.aspect));
   if (f.parts > 1) say(console, "parts", fmt::format("{} that are not connected", grouped(f.parts)));
-  const std::vector<std::string> lines = mended(f);
-  for (const std::string& line : lines) say(console, "mended", line);
+  for (const Note& note : info.notes) say(console, "mended", note.text);
   if (!dataset.times().empty())
     say(console, "times",
         fmt::format("{}, from {:.6g} to {:.6g}", counted(dataset.times().size(), "step"), dataset.times().front(),

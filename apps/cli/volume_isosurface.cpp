@@ -1,18 +1,22 @@
-// sansmesh volume isosurface: where a quantity has a value, as a mesh.
+// sansmesh volume isosurface: where a quantity has a value, as a mesh, or as meshes at many moments.
+#include "sansmesh/jobs/isosurface.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <filesystem>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "commands.h"
-#include "isosurface_frames.h"
+#include "flow_input.h"
 #include "option_groups.h"
-#include "option_values.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/dataset/isosurface.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/jobs/isosurface_moments.h"
+#include "schema_options.h"
+#include "simulate_frames.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
@@ -20,100 +24,110 @@ namespace {
 
 struct IsosurfaceArguments {
   VolumeInput input;
-  std::optional<double> value;
-  std::optional<std::string> carry;
+  VolumeIsosurfaceOptions options;
   MeshOutput output;
-  IsosurfaceOptions options;
-  IsosurfaceFrames frames;
+  bool unsteady = false;
+  std::vector<double> times;
+  IsosurfaceMomentsOptions moments;
 };
 
-/// The arrays of --carry. Throws ArgumentError for names of none.
-std::vector<std::string> carried(const IsosurfaceArguments& a, OpenVolume& volume) {
-  const std::string carry = a.carry.value_or("all");
-  if (carry == "none") return {};
-  std::vector<std::string> wanted;
-  if (carry != "all") wanted = between_commas(carry);
-  const Association of = volume.dataset().array(volume.choice().array).of;
-  if (wanted.empty())
-    for (const DatasetArray& array : volume.dataset().arrays())
-      if (array.of == of && array.name != volume.choice().array) wanted.push_back(array.name);
-  for (const std::string& name : wanted) volume.dataset().array(name, "carry");
-  return wanted;
+/// Inputs are not to be lost: frames get names that nobody typed.
+void check_frame_names(const VolumeInput& input, const std::string& output, std::size_t frames) {
+  std::error_code ignored;
+  std::set<std::filesystem::path> inputs;
+  for (const std::string& file : input.files) inputs.insert(std::filesystem::weakly_canonical(file, ignored));
+  for (std::size_t k = 0; k < frames; ++k)
+    if (const std::string file = motion_frame_name(output, k);
+        inputs.contains(std::filesystem::weakly_canonical(file, ignored)))
+      throw FileError(file, "is an input, which a result would overwrite");
 }
 
-/// Other arrays at the vertices, interpolated in the grid's own way; whole numbers, which are labels, as they are.
-void carry_arrays(const std::vector<std::string>& wanted, OpenVolume& volume, TriangleMesh& mesh, Console& console) {
-  std::vector<Vec3> x;
-  x.reserve(mesh.vertices.size());
-  for (const Vec3f& v : mesh.vertices) x.push_back(mesh.origin + Vec3(v));
-  for (const std::string& name : wanted) {
-    ReconstructionOptions options;
-    options.method =
-        is_real(volume.dataset().array(name).type) ? ReconstructionMethod::linear : ReconstructionMethod::nearest;
-    const auto field = volume.dataset().field({name, {}, false}, options, console.progress());
-    std::vector<double> values(x.size() * field->components());
-    field->evaluate(x, {values, {}, {}, {}});
-    constexpr double kMost = std::numeric_limits<float>::max();
-    if (std::any_of(values.begin(), values.end(), [](double v) { return std::abs(v) > kMost; })) {
-      console.warn(volume.name(), {fmt::format("{} is not carried along: its values do not fit into floats", name)});
-      continue;
-    }
-    mesh.attributes.set(name, std::vector<float>(values.begin(), values.end()), field->components());
-  }
+void run_moments(const IsosurfaceArguments& a, Console& console) {
+  check_moments(a.options, a.moments);
+  a.output.check();
+  require(a.output.preview.empty(), "--preview is not for --unsteady");
+  Progress& progress = console.progress();
+  VolumeSeries series = open_volume_series(a.input.files, a.input, a.times, progress);
+  console.note(series.name, series.notes);
+  check_frame_names(a.input, a.output.file, moment_count(series, a.moments));
+  const auto write = [&](std::size_t k, const TriangleMesh& mesh) {
+    if (k > 0) console.keep_frames();
+    write_mesh(motion_frame_name(a.output.file, k), mesh, {.ascii = a.output.ascii});
+  };
+  const IsosurfaceMomentsResult made = isosurface_moments(series, a.options, a.moments, write, progress);
+  const IsosurfaceMomentsReport& r = made.report;
+  progress.finish();
+  console.note(series.name, made.notes);
+  const VolumeModel& first = series.steps[0];
+  console.say(method_line(first));
+  console.say(fmt::format("{}: {} = {:.6g}{}, {} from {:.6g} to {:.6g}", series.name, first.array_name(), r.value,
+                          a.options.value ? "" : " (the middle of the first step's range)",
+                          counted(series.steps.size(), "step"), series.times.front(), series.times.back()));
+  const auto [least, most] = std::minmax_element(
+      r.moments.begin(), r.moments.end(),
+      [](const IsosurfaceMoment& x, const IsosurfaceMoment& y) { return x.triangles < y.triangles; });
+  console.say(fmt::format("{} … {}: {} meshes with {} to {} triangles", motion_frame_name(a.output.file, 0),
+                          motion_frame_name(a.output.file, r.moments.size() - 1), grouped(r.moments.size()),
+                          grouped(least->triangles), grouped(most->triangles)));
+  Json frames = Json::array();
+  std::size_t number = 0;
+  for (const IsosurfaceMoment& m : r.moments)
+    frames.push_back({{"file", motion_frame_name(a.output.file, number++)},
+                      {"time", m.time},
+                      {"vertices", m.vertices},
+                      {"triangles", m.triangles},
+                      {"components", m.components},
+                      {"closed", m.closed},
+                      {"area", m.area},
+                      {"volume", m.volume}});
+  console.say_json({{"input", a.input.json()},
+                    {"value", r.value},
+                    {"steps", series.steps.size()},
+                    {"blocks", r.blocks},
+                    {"cell", r.cell},
+                    {"time_cell", r.time_cell},
+                    {"frames", frames}});
+  console.print_timings();
 }
 
-void run_isosurface(IsosurfaceArguments& a, Console& console) {
-  a.frames.check();
-  if (a.frames.unsteady) {
-    require(!a.carry && !a.options.closed && a.options.components.kind == ComponentChoice::Kind::all,
-            "--carry, --closed and --components are not for --unsteady: its meshes are closed, without other arrays");
-    return write_isosurface_frames(a.input, a.value, a.options, a.frames, a.output, console);
-  }
+void run_isosurface(const IsosurfaceArguments& a, Console& console) {
+  require(a.unsteady || (a.times.empty() && options_set(a.moments).empty()),
+          "--times, --frames and --time-cell need --unsteady");
+  if (a.unsteady) return run_moments(a, console);
   a.options.validate();
   a.output.check();
-  OpenVolume volume(a.input, console);
-  volume.samples();
-  const DatasetArray& array = volume.dataset().array(volume.choice().array);
-  if (!a.value && array.components > 1) throw ArgumentError("--value is needed for arrays of several components");
-  const double value = a.value ? *a.value : volume.model().middle_value();
-  const std::vector<std::string> wanted = carried(a, volume);
-  const auto surface = volume.isosurface(value);
-  const auto samples = volume.samples();
-  IsosurfaceReport report;
-  TriangleMesh mesh;
-  try {
-    mesh = mesh_isosurface(*surface, a.options, console.progress(), &report);
-  } catch (const DataError& error) {
-    throw FileError(a.input.name(), error.what());
-  }
-  console.progress().begin("carry arrays");
-  carry_arrays(wanted, volume, mesh, console);
-  console.warn(a.input.name(), report.warnings);
-  a.output.write(mesh, console.progress());
-  console.progress().finish();
+  Progress& progress = console.progress();
+  VolumeModel volume = a.input.open(console);
+  const VolumeIsosurfaceResult made = isosurface(volume, a.options, progress);
+  const TriangleMesh& mesh = made.mesh;
+  const IsosurfaceReport& r = made.report.mesh;
+  const double value = made.report.value;
+  console.note(volume.name(), made.notes);
+  a.output.write(mesh, progress);
+  progress.finish();
 
-  volume.say_method();
-  console.say(fmt::format("{}: {} = {:.6g}{} on {} ({})", a.input.name(), volume.array_name(), value,
-                          a.value ? "" : " (the middle of its range)", counted(samples->size(), "sample"),
+  const auto samples = volume.samples(progress);
+  console.say(method_line(volume));
+  console.say(fmt::format("{}: {} = {:.6g}{} on {} ({})", volume.name(), volume.array_name(), value,
+                          a.options.value ? "" : " (the middle of its range)", counted(samples->size(), "sample"),
                           samples->facts.grid));
   console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output.file, counted(mesh.triangles.size(), "triangle"),
-                          grouped(mesh.vertices.size()), counted(report.components, "component"),
-                          report.closed ? ", closed" : ", with borders"));
-  console.say(report.volume
-                  ? fmt::format("area {:.6g}, volume {:.6g}", report.area, *report.volume)
-                  : fmt::format("area {:.6g} (--closed gives the volume of what is above the value)", report.area));
-  console.say_json({{"input", volume.json()},
+                          grouped(mesh.vertices.size()), counted(r.components, "component"),
+                          r.closed ? ", closed" : ", with borders"));
+  console.say(r.volume ? fmt::format("area {:.6g}, volume {:.6g}", r.area, *r.volume)
+                       : fmt::format("area {:.6g} (--closed gives the volume of what is above the value)", r.area));
+  console.say_json({{"input", json_of_volume(a.input, volume, progress)},
                     {"value", value},
-                    {"blocks", report.blocks},
-                    {"cell", report.cell},
-                    {"area", report.area},
-                    {"volume", report.volume ? Json(*report.volume) : Json()},
+                    {"blocks", r.blocks},
+                    {"cell", r.cell},
+                    {"area", r.area},
+                    {"volume", r.volume ? Json(*r.volume) : Json()},
                     {"output",
                      {{"file", a.output.file},
                       {"vertices", mesh.vertices.size()},
                       {"triangles", mesh.triangles.size()},
-                      {"components", report.components},
-                      {"closed", report.closed}}}});
+                      {"components", r.components},
+                      {"closed", r.closed}}}});
   console.print_timings();
 }
 
@@ -123,24 +137,17 @@ Command add_volume_isosurface(CommandLine& volume) {
   CommandLine& c = volume.add_subcommand("isosurface", "Volume on any grid → where a quantity has a value, as a mesh");
   auto a = std::make_shared<IsosurfaceArguments>();
   add_volume_input(c, a->input);
-  c.add_option("--value", a->value, "Value on the surface [the middle of the array's range]").type_name("NUMBER");
+  add_schema(c, a->options, {.only = {"value"}});
   add_mesh_output(c, a->output);
-  c.add_option("--carry", a->carry, "Arrays for the vertices: all, none, or names with commas between")
-      .type_name("NAMES");
-  c.add_flag("--closed", a->options.closed, "Close the surface at the boundary of the volume, round what is above");
-  c.add_option("--cell", a->options.cell, "Edge of the smallest blocks [the local spacing of the samples]")
-      .type_name("LENGTH")
-      .group("Mesh");
-  c.add_option("--mesh-error", a->options.mesh_error, "Accepted mean distance between mesh and surface")
-      .type_name("LENGTH")
-      .group("Mesh");
-  c.add_option("--triangles", a->options.triangles, "At most this many triangles").type_name("COUNT").group("Mesh");
-  c.add_option_function(
-       "--components", [a](const std::string& text) { a->options.components = parse_components(text); },
-       "Parts to keep: auto, all, largest or a number [all]")
-      .type_name("CHOICE")
-      .group("Mesh");
-  add_isosurface_frames(c, a->frames);
+  add_schema(c, a->options, {.only = {"carry", "closed"}});
+  add_schema(c, a->options.mesh, {.group = "Mesh", .without = {"closed"}});
+  c.add_flag(
+       "--unsteady", a->unsteady,
+       "The volume changes: all steps of the file in time, or several files one after the other, become a surface "
+       "in space and time and this a closed mesh at each of many moments, NAME_0000.ply, …")
+      .group("Time");
+  add_times_option(c, a->times, "Time");
+  add_schema(c, a->moments, {.group = "Time"});
   c.footer(std::string(kReadableVolumes) +
            "\n\nOther commands take such a surface as DATA[NAME=VALUE]: csg, section, compare, measure.\n\nExamples:\n"
            "  sansmesh volume isosurface engine.mhd --value 80 -o engine.ply --preview engine.png\n"

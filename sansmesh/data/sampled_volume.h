@@ -47,6 +47,7 @@ struct Lattice {
 /// What was found and mended on the way from a file's blocks to samples.
 struct VolumeFacts {
   std::string grid;                    ///< in words: "curvilinear", "AMR, 4 levels", "3 overlapping curvilinear blocks"
+  bool unstructured = false;           ///< a single block of cells in no order: it may be a body
   std::size_t blocks = 0, levels = 1;  ///< as the file has them
   std::size_t points = 0, cells = 0;   ///< as the file has them
   std::size_t merged = 0;              ///< points at the place of another one that became one sample

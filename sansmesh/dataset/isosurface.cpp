@@ -14,6 +14,7 @@
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/meshing/component_words.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/volume/volume_boundary.h"
@@ -272,9 +273,26 @@ void measure_iso(const TriangleMesh& mesh, IsosurfaceReport& r) {
 
 }  // namespace
 
+const OptionSchema& IsosurfaceOptions::schema() {
+  using O = IsosurfaceOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::closed>({.text = "Close the surface at the boundary of the volume, round what is above"}),
+      option<&O::cell>({.text = "Edge of the smallest blocks",
+                        .unit = "length",
+                        .from_data = "the local spacing of the samples",
+                        .range = positive()}),
+      option<&O::mesh_error>(
+          {.text = "Accepted mean distance between mesh and surface", .unit = "length", .range = positive()}),
+      option<&O::triangles>({.text = "At most this many triangles", .range = at_least(4)}),
+      option<&O::components>({.text = "Parts to keep: auto, all, largest or a number", .unit = "choice"}),
+      option<&O::enhance>({.text = "No clustering, smoothing or simplification of triangles"}),
+  };
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void IsosurfaceOptions::validate() const {
-  if (cell && !(*cell > 0 && std::isfinite(*cell)))
-    throw ArgumentError(fmt::format("`cell` must be a positive length, not {}", *cell));
+  validate_options(*this);
   if (closed && (mesh_error || triangles || !enhance))
     throw ArgumentError("`mesh_error`, `triangles` and `enhance` are for surfaces that are not `closed`");
   MeshOptions mesh;

@@ -21,6 +21,7 @@
 #include "sansmesh/field/scalar_field.h"
 #include "sansmesh/field/volume_field.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/schema/option.h"
 #include "sansmesh/triangulation/block_tree.h"
 #include "sansmesh/volume/volume_locator.h"
 
@@ -89,13 +90,14 @@ class Isosurface : public ScalarField {
 
 struct IsosurfaceOptions {
   /// Edge of the smallest blocks (length). Default: the local spacing of the samples.
-  std::optional<double> cell;
-  std::optional<double> mesh_error;      ///< as in MeshOptions
-  std::optional<std::size_t> triangles;  ///< as in MeshOptions
+  std::optional<double> cell = {};
+  std::optional<double> mesh_error = {};      ///< as in MeshOptions
+  std::optional<std::size_t> triangles = {};  ///< as in MeshOptions
   ComponentChoice components = {ComponentChoice::Kind::all, 1};
   bool closed = false;  ///< the boundary of {f > value}: closed by faces of the volume's boundary
   bool enhance = true;  ///< as in MeshOptions
 
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -117,6 +117,7 @@ VolumeFacts facts_of(const ReadJson& json) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   VolumeFacts f;
   f.grid = line_of(json.at("grid"));
+  f.unstructured = f.grid == "unstructured";  // the file has no other word of it
   f.blocks = count_of(json.at("blocks"));
   f.levels = count_of(json.at("levels"));
   f.points = count_of(json.at("points"));

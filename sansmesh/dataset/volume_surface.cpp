@@ -28,6 +28,14 @@
 namespace sansmesh {
 namespace {
 
+/// The kind as a flag.
+struct HighGradient {
+  using Kind = VolumeSurfaceOptions::Kind;
+  static constexpr auto kind = OptionKind::flag;
+  static OptionValue get(Kind v) { return v == Kind::high_gradient; }
+  static Kind from(const OptionValue& v) { return std::get<bool>(v) ? Kind::high_gradient : Kind::isovalue; }
+};
+
 /// Thickness of the layer: δ in ω = exp(−(d/δs)²), d the distance from the surface that value and slope tell, s the
 /// spacing. Samples of a Gaussian so wide add up to the same wherever they lie (Poisson's sum: to 10⁻⁴), thicker ones
 /// see more of the curvature of f.
@@ -409,15 +417,43 @@ struct VolumeSurface::State {
   std::vector<float> spacing;
 };
 
+const OptionSchema& VolumeSurfaceOptions::schema() {
+  using O = VolumeSurfaceOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::kind, HighGradient>(
+          {.text = "Where the array changes most: borders of materials, at any value", .name = "high_gradient"}),
+      option<&O::beta>({.text = "Width of the weights: of values in their unit, of gradients as a share, 0.01 to 1",
+                        .from_data = "by the slope at each sample; 0.35"}),
+      option<&O::smoothing>({.text = "h of the weights by distance, in spacings",
+                             .from_data = "2, more with noise",
+                             .range = {.least = 0.5, .most = 20}}),
+      option<&O::least_gradient>({.text = "Of a border, with `high_gradient`",
+                                  .from_data = "from the noise",
+                                  .range = positive(),
+                                  .needs = "high_gradient"}),
+      option<&O::local_maximum>(
+          {.text = "With `high_gradient`: gradients over the largest of the volume, not of the surroundings",
+           .negative = "global_maximum"}),
+      option<&O::corrector>({.text = "Quick: without the weights by distance", .negative = "predictor_only"}),
+      option<&O::predictor>({.text = "Without the first guess", .negative = "corrector_only"}),
+      option<&O::alternating>({.text = "Predictor: direction and offset in turns, as in the source"}),
+      option<&O::line_search>({.text = "Corrector: offset by minimisation along the normal"}),
+      option<&O::separate_sheets>({.text = "Samples count wherever they face", .negative = "all_sheets"}),
+      option<&O::exact>(
+          {.text = "Pictures and meshes project at every place, not from paraboloids at the feet of samples"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void VolumeSurfaceOptions::validate() const {
+  validate_options(*this);
+  check_argument(predictor || corrector, "`predictor = false` and `corrector = false` exclude each other");
+  check_argument(kind == Kind::high_gradient || local_maximum, "`local_maximum = false` needs `high_gradient`");
   if (kind == Kind::isovalue) {
     if (!std::isfinite(value)) throw ArgumentError("`value` must be finite");
     if (beta && !(std::isfinite(*beta) && *beta > 0)) throw ArgumentError("`beta` must be positive");
-    if (least_gradient) throw ArgumentError("`least_gradient` is for surfaces of high gradient");
   } else {
     if (beta) check_range("beta", *beta, 0.01, 1);
-    if (least_gradient && !(std::isfinite(*least_gradient) && *least_gradient > 0))
-      throw ArgumentError("`least_gradient` must be positive");
   }
   LayerOptions layer;
   layer.smoothing = smoothing.value_or(layer.smoothing), layer.predictor = predictor, layer.corrector = corrector;

@@ -16,6 +16,7 @@
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/schema/option.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh {
@@ -46,6 +47,8 @@ struct VolumeSurfaceOptions {
   /// to the letter, for two (meshes) to ten (pictures) times the time.
   bool exact = false;
 
+  /// Without `value`.
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -170,11 +170,7 @@ FittedVolume VolumeModel::fit(bool all, Progress& progress, std::vector<Note>& n
 }
 
 std::shared_ptr<const Isosurface> VolumeModel::isosurface(double value, Progress& progress, std::vector<Note>& notes) {
-  if (is_vector()) {
-    const DatasetArray& a = array();
-    throw ArgumentError(fmt::format("`array`: {} has {} components: choose one ({}:0, {}:magnitude, …)", a.name,
-                                    a.components, a.name, a.name));
-  }
+  check_scalar();
   const auto values = field(progress, notes);
   progress.begin("find surface");
   return naming([&] {
@@ -192,6 +188,18 @@ double VolumeModel::sample_value(std::size_t i) const {
   const std::span<double> v = many.empty() ? std::span(few).first(a.components) : std::span(many);
   for (std::size_t c = 0; c < v.size(); ++c) v[c] = a.number(i * v.size() + c);
   return vector_length(v);
+}
+
+void VolumeModel::check_scalar() const {
+  const DatasetArray& a = array();
+  if (is_vector())
+    throw ArgumentError(fmt::format("`array`: {} has {} components: choose one ({}:0, {}:magnitude, …)", a.name,
+                                    a.components, a.name, a.name));
+}
+
+double VolumeModel::value_or_middle(const std::optional<double>& value) const {
+  check_argument(value || array().components == 1, "`value` is needed for arrays of several components");
+  return value ? *value : middle_value();
 }
 
 double VolumeModel::middle_value() const {

@@ -40,6 +40,7 @@ class VolumeModel {
   VolumeModel(VolumeDataset dataset, std::string name, const VolumeModelOptions& options = {});
 
   const std::string& name() const { return name_; }
+  const VolumeModelOptions& options() const { return options_; }
   VolumeDataset& dataset() { return dataset_; }
   const VolumeDataset& dataset() const { return dataset_; }
   /// Calls; errors of the data get the name in front.
@@ -87,6 +88,10 @@ class VolumeModel {
   double sample_value(std::size_t i) const;
   /// The middle of the range of the array, or of its component. Throws DataError where it has no finite value.
   double middle_value() const;
+  /// The value, or the middle of the range. Throws ArgumentError where an array of several components needs one.
+  double value_or_middle(const std::optional<double>& value) const;
+  /// Throws ArgumentError where the array has several components and none was chosen.
+  void check_scalar() const;
 
  private:
   struct Made {

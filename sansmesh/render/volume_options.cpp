@@ -54,6 +54,24 @@ std::optional<Vec3> direction_of(std::string_view text) {
   return n;
 }
 
+struct CutWords {
+  static constexpr auto kind = OptionKind::texts;
+  static OptionValue get(const std::vector<VolumeCut>& cuts) {
+    std::vector<std::string> words;
+    for (const VolumeCut& c : cuts) {
+      const std::string along = fmt::format("{},{},{}", c.normal.x, c.normal.y, c.normal.z);
+      words.push_back(std::isinf(c.thickness) ? fmt::format("{}>{}", along, c.offset)
+                                              : fmt::format("{}<{}<{}", c.offset, along, c.offset + c.thickness));
+    }
+    return words;
+  }
+  static std::vector<VolumeCut> from(const OptionValue& value) {
+    std::vector<VolumeCut> cuts;
+    for (const std::string& word : std::get<std::vector<std::string>>(value)) cuts.push_back(volume_cut_of(word));
+    return cuts;
+  }
+};
+
 }  // namespace
 
 IsoSurface iso_surface_of(const std::string& text) {
@@ -106,6 +124,21 @@ VolumeCut volume_cut_of(const std::string& text) {
   if (!n || !low || !high || !(*high > *low)) fail();
   cut.normal = *n, cut.offset = *low, cut.thickness = *high - *low;
   return cut;
+}
+
+const OptionSchema& VolumePictureOptions::schema() {
+  using O = VolumePictureOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::cuts, CutWords>({.text = "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated",
+                                  .unit = "place",
+                                  .name = "cut"}),
+      option<&O::cut_faces>({.text = "Cut faces stay as clear as what is behind them"}),
+      option<&O::shading>({.text = "Colours as the transfer function has them, without light"}),
+      option<&O::color_title>(
+          {.text = "Of the colour bar: what is shown", .from_data = "the array's name", .name = "label"}),
+      option<&O::title>({.text = "Above the picture"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
 }
 
 void VolumePictureOptions::validate() const {

@@ -58,6 +58,8 @@ struct VolumePictureOptions : RenderOptions {
   std::string unit;         ///< of lengths, at the axes
   std::string title;        ///< above the picture
 
+  /// Some of those that RenderOptions does not have.
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

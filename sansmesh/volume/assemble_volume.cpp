@@ -478,6 +478,8 @@ SampledVolume assemble_volume(const GridData& data, Association association, Pro
   if (volume.facts.parts == 1) volume.part = {};
   set_cell_facts(volume);
   volume.facts.grid = grid_in_words(data, volume.facts);
+  volume.facts.unstructured =
+      data.blocks.size() == 1 && volume.facts.levels == 1 && data.blocks[0].kind == GridKind::unstructured;
   progress.finish();
   return volume;
 }

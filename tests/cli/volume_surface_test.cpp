@@ -106,7 +106,7 @@ TEST_F(VolumeSurfaceTool, SaysWhatIsWrongInOneLine) {
   refused({"--value", "7", "-o", path("a.ply")}, "values lie between");
   refused({"--value", "0.5", "--high-gradient", "-o", path("a.ply")}, "exclude each other");
   refused({"--value", "0.5", "--array", "nothing", "-o", path("a.ply")}, "nothing");
-  refused({"--value", "0.5", "--least-gradient", "1", "-o", path("a.ply")}, "need --high-gradient");
+  refused({"--value", "0.5", "--least-gradient", "1", "-o", path("a.ply")}, "needs --high-gradient");
   refused({"--value", "0.5", "--sharp", "-o", path("a.ply")}, "need a picture");
   refused({"--value", "0.5", "-o", path("a.xyz3")}, "a.xyz3");
   EXPECT_FALSE(std::filesystem::exists(path("a.ply")));

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "io/io_test_tools.h"
+#include "jobs/volume_models.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_file.h"
 #include "sansmesh/jobs/fit_volume.h"
@@ -15,29 +16,11 @@
 #include "sansmesh/jobs/resample.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "support/notes.h"
-#include "volume/volume_grids.h"
 
 namespace sansmesh::test {
 namespace {
 
 double hill(const Vec3& x) { return std::sin(3 * x.x + x.y) + 0.5 * std::cos(2 * x.y - x.z); }
-
-/// An array "f", and the places as vectors "where", at points alone.
-GridData with_vectors(GridData data) {
-  GridBlock& block = data.blocks[0];
-  std::vector<double> where;
-  for (std::size_t i = 0; i < block_point_count(block); ++i) {
-    const Vec3 x = block_point(block, i);
-    where.insert(where.end(), {x.x, x.y, x.z});
-  }
-  block.point_arrays.set("where", std::move(where), 3);
-  block.cell_arrays = {};
-  return data;
-}
-
-VolumeModel model_of(GridData data, const VolumeModelOptions& options = {}) {
-  return {VolumeDataset(std::move(data)), "made.vti", options};
-}
 
 double noise(const Vec3& /*x*/) {
   static std::mt19937 random(5);

@@ -1,0 +1,95 @@
+#include "sansmesh/jobs/isosurface.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "sansmesh/core/check_range.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
+
+namespace sansmesh {
+namespace {
+
+/// The arrays of `carry`. Throws ArgumentError for names of none.
+std::vector<std::string> arrays_to_carry(const VolumeModel& volume, const std::string& carry) {
+  std::vector<std::string> wanted;
+  if (carry == "none") return wanted;
+  const VolumeDataset& dataset = volume.dataset();
+  if (carry == "all") {
+    for (const DatasetArray& array : dataset.arrays())
+      if (array.of == volume.array().of && array.name != volume.choice().array) wanted.push_back(array.name);
+  } else {
+    for (std::size_t at = 0; at <= carry.size();) {
+      const std::size_t end = std::min(carry.find(',', at), carry.size());
+      wanted.push_back(carry.substr(at, end - at));
+      at = end + 1;
+    }
+  }
+  for (const std::string& name : wanted) dataset.array(name, "carry");
+  return wanted;
+}
+
+/// Interpolated in the grid's own way; whole numbers, which are labels, as they are.
+void carry_along(const std::vector<std::string>& wanted, VolumeModel& volume, VolumeIsosurfaceResult& result,
+                 Progress& progress) {
+  TriangleMesh& mesh = result.mesh;
+  std::vector<Vec3> x;
+  x.reserve(mesh.vertices.size());
+  for (const Vec3f& v : mesh.vertices) x.push_back(mesh.origin + Vec3(v));
+  for (const std::string& name : wanted) {
+    ReconstructionOptions options;
+    options.method =
+        is_real(volume.dataset().array(name).type) ? ReconstructionMethod::linear : ReconstructionMethod::nearest;
+    const auto field = volume.naming([&] { return volume.dataset().field({name, {}, false}, options, progress); });
+    std::vector<double> values(x.size() * field->components());
+    field->evaluate(x, {values, {}, {}, {}});
+    constexpr double kMost = std::numeric_limits<float>::max();
+    if (std::any_of(values.begin(), values.end(), [](double v) { return std::abs(v) > kMost; })) {
+      result.notes.push_back(
+          {.code = "not_carried",
+           .text = fmt::format("{} is not carried along: its values do not fit into floats", printable(name, 60)),
+           .remedy = {},
+           .of = volume.name()});
+      continue;
+    }
+    mesh.attributes.set(name, std::vector<float>(values.begin(), values.end()), field->components());
+  }
+}
+
+}  // namespace
+
+const OptionSchema& VolumeIsosurfaceOptions::schema() {
+  using O = VolumeIsosurfaceOptions;
+  static const OptionRow rows[] = {
+      option<&O::value>({.text = "Value on the surface", .from_data = "the middle of the array's range"}),
+      option<&O::carry>({.text = "Arrays for the vertices: all, none, or names with commas between", .unit = "names"}),
+      option_group<&O::mesh>(IsosurfaceOptions::schema().rows)};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
+void VolumeIsosurfaceOptions::validate() const {
+  validate_options(*this);
+  mesh.validate();
+}
+
+VolumeIsosurfaceResult isosurface(VolumeModel& volume, const VolumeIsosurfaceOptions& options, Progress& progress) {
+  options.validate();
+  const std::shared_ptr<const SampledVolume> samples = volume.samples(progress);
+  VolumeIsosurfaceResult result;
+  VolumeIsosurfaceReport& r = result.report;
+  r.value = volume.value_or_middle(options.value);
+  const std::vector<std::string> wanted = arrays_to_carry(volume, options.carry);
+  const auto surface = volume.isosurface(r.value, progress, result.notes);
+  result.mesh = volume.naming([&] { return mesh_isosurface(*surface, options.mesh, progress, &r.mesh); });
+  progress.begin("carry arrays");
+  carry_along(wanted, volume, result, progress);
+  add_notes(result.notes, "mesh", r.mesh.warnings, volume.name());
+  r.reconstruction = volume.report();
+  return result;
+}
+
+}  // namespace sansmesh

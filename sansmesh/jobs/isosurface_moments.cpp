@@ -1,0 +1,135 @@
+#include "sansmesh/jobs/isosurface_moments.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "sansmesh/core/check_range.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/dataset/isosurface_in_time.h"
+#include "sansmesh/mesh/mesh_size.h"
+#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh/simplify.h"
+#include "sansmesh/polygonize/space_time_surface.h"
+
+namespace sansmesh {
+namespace {
+
+/// Default mesh error in spacings, as of surfaces of one moment.
+constexpr double kMomentError = 0.02;
+
+std::unique_ptr<IsosurfaceInTime> field_in_time(VolumeSeries& series, double value, std::vector<Note>& notes,
+                                                Progress& progress) {
+  std::vector<IsosurfaceStep> steps;
+  for (std::size_t i = 0; i < series.steps.size(); ++i) {
+    VolumeModel& v = series.steps[i];
+    steps.push_back({series.times[i], v.samples(progress), v.field(progress, notes),
+                     [&v](std::size_t n) { return v.sample_value(n); }});
+  }
+  try {
+    return std::make_unique<IsosurfaceInTime>(std::move(steps), value);
+  } catch (const DataError& error) {
+    throw DataError(printable(series.name, 200) + ": " + error.what());
+  } catch (const ArgumentError& error) {  // of the data: steps that do not fit together
+    throw DataError(printable(series.name, 200) + ": " + error.what());
+  }
+}
+
+IsosurfaceMoment measured_moment(const TriangleMesh& mesh, double time) {
+  const MeshTopology topology = measure_topology(mesh);
+  const MeshSize size = measure_size(mesh);
+  return {.time = time,
+          .vertices = mesh.vertices.size(),
+          .triangles = mesh.triangles.size(),
+          .components = topology.components,
+          .closed = topology.closed(),
+          .area = size.area,
+          .volume = size.volume};
+}
+
+}  // namespace
+
+const OptionSchema& IsosurfaceMomentsOptions::schema() {
+  using O = IsosurfaceMomentsOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::frames>({.text = "With `unsteady`: moments from the first step to the last",
+                          .from_data = "as many as steps",
+                          .range = {.least = 2, .most = 100'000}}),
+      option<&O::time_cell>({.text = "With `unsteady`: how long the smallest blocks last",
+                             .unit = "time",
+                             .from_data = "the shortest time between steps",
+                             .range = positive()})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+void check_moments(const VolumeIsosurfaceOptions& options, const IsosurfaceMomentsOptions& moments) {
+  options.validate();
+  validate_options(moments);
+  const VolumeIsosurfaceOptions usual;
+  check_argument(options.carry == usual.carry && !options.mesh.closed &&
+                     options.mesh.components.kind == ComponentChoice::Kind::all,
+                 "`carry`, `closed` and `components` are not for `unsteady`: its meshes are closed, without other "
+                 "arrays");
+}
+
+std::size_t moment_count(const VolumeSeries& series, const IsosurfaceMomentsOptions& moments) {
+  return moments.frames.value_or(series.steps.size());
+}
+
+IsosurfaceMomentsResult isosurface_moments(VolumeSeries& series, const VolumeIsosurfaceOptions& options,
+                                           const IsosurfaceMomentsOptions& moments,
+                                           const std::function<void(std::size_t, const TriangleMesh&)>& use,
+                                           Progress& progress) {
+  check_moments(options, moments);
+  const std::size_t count = moment_count(series, moments);
+  IsosurfaceMomentsResult result;
+  IsosurfaceMomentsReport& r = result.report;
+  r.value = series.steps.at(0).value_or_middle(options.value);
+  const auto field = field_in_time(series, r.value, result.notes, progress);
+  r.reconstruction = series.steps[0].report();
+  const Placement& place = field->place();
+  SpaceTimeOptions cut;
+  cut.cell = options.mesh.cell ? place.from_input(*options.mesh.cell) : field->median_spacing();
+  cut.time_cell = moments.time_cell.value_or(field->shortest_step());
+  progress.begin("find surface");
+  const SpaceTimeSurface surface(*field, cut, progress);
+  r.blocks = surface.blocks(), r.cell = place.to_input(surface.cell()), r.time_cell = surface.time_cell();
+  CollapseOptions simplify;
+  simplify.error =
+      options.mesh.mesh_error ? place.from_input(*options.mesh.mesh_error) : kMomentError * field->median_spacing();
+  simplify.triangles = options.mesh.triangles.value_or(0);
+
+  const TimeRange times = field->times();
+  std::size_t most = 0;
+  progress.begin("cut frames", count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const double u = static_cast<double>(k) / static_cast<double>(count - 1);
+    const double t = k + 1 == count ? times.last : times.first + u * (times.last - times.first);
+    TriangleMesh mesh = surface.slice(t);
+    Progress quiet;
+    if (!mesh.triangles.empty()) simplify_mesh(mesh, simplify, quiet);
+    move_to_input(mesh, place);
+    if (mesh.triangles.empty())
+      result.notes.push_back({.code = "no_surface",
+                              .text = fmt::format("there is no surface at the moment {:.6g}", t),
+                              .remedy = {},
+                              .of = series.name});
+    r.moments.push_back(measured_moment(mesh, t));
+    most = std::max(most, mesh.triangles.size());
+    use(k, mesh);
+    progress.advance();
+  }
+  if (options.mesh.triangles && most > *options.mesh.triangles)
+    result.notes.push_back({.code = "more_triangles",
+                            .text = fmt::format("{} instead of {} in some frames", counted(most, "triangle"),
+                                                grouped(*options.mesh.triangles)),
+                            .remedy = {},
+                            .of = series.name});
+  return result;
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,101 @@
+#include "sansmesh/jobs/surface_in_volume.h"
+
+#include <span>
+
+#include "sansmesh/core/binary_scale.h"
+#include "sansmesh/core/check_range.h"
+#include "sansmesh/mesh/mesh_size.h"
+#include "sansmesh/meshing/component_words.h"
+#include "sansmesh/volume/volume_values.h"
+
+namespace sansmesh {
+namespace {
+
+using Kind = VolumeSurfaceOptions::Kind;
+
+/// One a sample, finite: of a component, or lengths of vectors.
+std::vector<double> scalar_values(const SampledVolume& samples, const ArrayChoice& choice) {
+  const VolumeValues all = volume_values(samples, choice.array);
+  if (all.components == 1) return all.values;
+  std::vector<double> values(samples.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::span<const double> v = all.of(i);
+    values[i] = choice.component ? v[*choice.component] : vector_length(v);
+  }
+  return values;
+}
+
+/// The standard deviation of noise: what parabolas through the samples around leave, where planes leave as much.
+double noise_of_values(const VolumeTraits& traits) { return traits.resolved() ? 0 : traits.noise * traits.range; }
+
+}  // namespace
+
+const OptionSchema& SurfaceInVolumeOptions::schema() {
+  using O = SurfaceInVolumeOptions;
+  static const OptionRow rows[] = {option<&O::value>({.text = "Isosurface of this value",
+                                                      .from_data = "the middle of the array's range",
+                                                      .excludes = "high_gradient"}),
+                                   option_group<&O::surface>(VolumeSurfaceOptions::schema().rows)};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
+void SurfaceInVolumeOptions::validate() const {
+  validate_options(*this);
+  VolumeSurfaceOptions own = surface;
+  own.value = value.value_or(0);
+  own.validate();
+}
+
+SurfaceInVolume surface_in_volume(VolumeModel& volume, const SurfaceInVolumeOptions& options, Progress& progress) {
+  options.validate();
+  VolumeSurfaceOptions own = options.surface;
+  if (own.kind == Kind::isovalue) own.value = volume.value_or_middle(options.value);
+  const auto samples = volume.samples(progress);
+  const VolumeTraits& traits = volume.traits(progress);
+  SurfaceInVolume result{volume.naming([&] {
+                           return make_volume_surface(samples, scalar_values(*samples, volume.choice()),
+                                                      noise_of_values(traits), own, progress);
+                         }),
+                         own.value,
+                         {}};
+  if (!samples->lattice && traits.resolved())
+    result.notes.push_back({.code = "resolved",
+                            .text = "the values are smooth between samples",
+                            .remedy = "an isosurface of the reconstruction follows them more closely",
+                            .severity = Note::Severity::information,
+                            .of = volume.name()});
+  return result;
+}
+
+const OptionSchema& MeshInVolumeOptions::schema() {
+  using O = MeshInVolumeOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::mesh_error>(
+          {.text = "Accepted mean distance between mesh and surface", .unit = "length", .range = positive()}),
+      option<&O::triangles>({.text = "At most this many triangles", .range = at_least(4)}),
+      option<&O::components>(
+          {.text = "Parts to keep: auto (all that the weights can tell), all, largest or a number", .unit = "choice"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+void MeshInVolumeOptions::validate() const { validate_options(*this); }
+
+MeshInVolume mesh_of_surface(const VolumeModel& volume, const SurfaceInVolume& surface,
+                             const MeshInVolumeOptions& options, Progress& progress) {
+  options.validate();
+  MeshOptions meshing;
+  meshing.mesh_error = options.mesh_error, meshing.triangles = options.triangles;
+  meshing.components = options.components;
+  MeshInVolume result;
+  MeshInVolumeReport& r = result.report;
+  result.mesh = volume.naming([&] { return mesh_volume_surface(surface.surface, meshing, progress, &r.mesh); });
+  add_notes(result.notes, "mesh", r.mesh.warnings, volume.name());
+  const MeshSize size = measure_size(result.mesh);
+  r.area = size.area;
+  if (!r.mesh.open) r.volume = size.volume;
+  return result;
+}
+
+}  // namespace sansmesh

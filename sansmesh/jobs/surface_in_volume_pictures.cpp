@@ -1,0 +1,131 @@
+#include "sansmesh/jobs/surface_in_volume_pictures.h"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/render/transfer_presets.h"
+#include "sansmesh/surface/bilateral_normals.h"
+#include "sansmesh/surface/curvature_words.h"
+
+namespace sansmesh {
+namespace {
+
+/// Colours by another array of the volume; positions in coordinates of the surface.
+class ArrayColors : public ColorField {
+ public:
+  /// The colours span what the array has at the places `seen`.
+  ArrayColors(std::shared_ptr<const VolumeField> field, const Placement& place, std::span<const Vec3> seen)
+      : field_(std::move(field)), place_(place) {
+    const std::vector<double> there = values(seen);
+    colors_ = transfer_function_preset("flow", value_histogram(there));
+    const auto [lower, upper] = colors_.range();
+    for (const double v : there) ends_.below = ends_.below || v < lower, ends_.above = ends_.above || v > upper;
+  }
+  const TransferFunction& colors() const { return colors_; }
+  BarEnds ends() const { return ends_; }
+  void evaluate(std::span<const Vec3> x, std::span<Vec3f> colors) const override {
+    const std::vector<double> v = values(x);
+    for (std::size_t i = 0; i < x.size(); ++i) colors[i] = colors_.color(v[i]);
+  }
+
+ private:
+  std::vector<double> values(std::span<const Vec3> x) const {
+    std::vector<Vec3> input(x.size());
+    for (std::size_t i = 0; i < x.size(); ++i) input[i] = place_.to_input(x[i]);
+    std::vector<double> v(x.size());
+    field_->evaluate(input, {v, {}, {}, {}});
+    return v;
+  }
+
+  std::shared_ptr<const VolumeField> field_;
+  Placement place_;
+  TransferFunction colors_;
+  BarEnds ends_;
+};
+
+}  // namespace
+
+struct SurfaceInVolumePictures::State {
+  const VolumeSurface& surface;
+  std::unique_ptr<ColorField> colors;
+  std::optional<ShownColors> shown;
+  std::optional<BilateralNormals> normals;
+  std::optional<SurfaceCaster> caster;
+};
+
+const OptionSchema& SurfaceInVolumeLook::schema() {
+  using O = SurfaceInVolumeLook;
+  static constexpr OptionRow rows[] = {
+      option<&O::color_by>({.text = "Array of the volume, or curvature: mean, gaussian, k1, k2", .unit = "name"}),
+      option<&O::color_range>({.text = "Curvature that gets the full colour, 1/length or, for gaussian, 1/length²",
+                               .unit = "value",
+                               .from_data = "from data",
+                               .range = positive(),
+                               .needs = "color_by"}),
+      option<&O::sharp>({.text = "Normals turn sharply at edges and corners"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+std::optional<CurvatureColorOptions::Quantity> SurfaceInVolumeLook::curvature() const {
+  const auto* const word = std::find(std::begin(kCurvatureWords), std::end(kCurvatureWords), color_by);
+  if (word == std::end(kCurvatureWords)) return std::nullopt;
+  return static_cast<CurvatureColorOptions::Quantity>(word - std::begin(kCurvatureWords));
+}
+
+void SurfaceInVolumeLook::validate() const {
+  validate_options(*this);
+  if (color_range && !curvature()) throw ArgumentError("`color_range` needs `color_by` with a curvature");
+}
+
+SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, VolumeModel& volume,
+                                                 const SurfaceInVolumeLook& look, Progress& progress,
+                                                 std::vector<Note>& notes)
+    : state_(std::make_unique<State>(State{of.surface, {}, {}, {}, {}})) {
+  look.validate();
+  State& s = *state_;
+  const Placement& place = of.surface.place();
+  PointSet points;
+  if (!look.color_by.empty() || look.sharp) points = of.surface.feet();
+  if (const auto quantity = look.curvature()) {
+    // Curvatures of the input, a length or an area below the line, in coordinates of the surface.
+    const double unit = *quantity == CurvatureColorOptions::Quantity::gaussian ? place.unit * place.unit : place.unit;
+    CurvatureColorOptions o;
+    o.quantity = *quantity;
+    if (look.color_range) o.range = *look.color_range * unit;
+    auto colors = volume.naming([&] { return std::make_unique<CurvatureColors>(points, o, progress); });
+    s.shown = ShownColors{.curvature = quantity, .range = colors->range() / unit, .colors = {}, .ends = {}};
+    s.colors = std::move(colors);
+  } else if (!look.color_by.empty()) {
+    auto field = volume.field(volume.scalar_choice(look.color_by, "color_by"), progress, notes);
+    const std::vector<Vec3> seen(points.positions.begin(), points.positions.end());
+    auto colors = std::make_unique<ArrayColors>(std::move(field), place, seen);
+    s.shown = ShownColors{.curvature = {}, .range = 0, .colors = colors->colors(), .ends = colors->ends()};
+    s.colors = std::move(colors);
+  }
+  SurfaceCastOptions cast;
+  if (look.sharp) {
+    s.normals.emplace(prepare_samples(points, progress), BilateralOptions{});
+    cast.normals = &*s.normals;
+  }
+  volume.naming([&] { s.caster.emplace(of.surface.field(), of.surface.balls(), cast); });
+}
+
+SurfaceInVolumePictures::~SurfaceInVolumePictures() = default;
+SurfaceInVolumePictures::SurfaceInVolumePictures(SurfaceInVolumePictures&&) noexcept = default;
+
+const std::optional<ShownColors>& SurfaceInVolumePictures::colors() const { return state_->shown; }
+
+Image SurfaceInVolumePictures::render(const SurfaceRenderOptions& options, Progress& progress) const {
+  options.validate();
+  const State& s = *state_;
+  SurfaceRenderOptions own = options;
+  move_from_input(own, s.surface.place());
+  return render_surface(*s.caster, s.surface.balls().centers, s.colors.get(), own, progress);
+}
+
+CastCounts SurfaceInVolumePictures::counts() const { return state_->caster->counts(); }
+
+}  // namespace sansmesh

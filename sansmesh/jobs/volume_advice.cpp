@@ -1,0 +1,78 @@
+#include "sansmesh/jobs/volume_advice.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+namespace {
+
+/// The vectors of a flow: the array that is looked at, if they are that, else the first.
+const DatasetArray* flow_array(const VolumeDataset& dataset, const std::string& looked_at) {
+  const DatasetArray* found = nullptr;
+  for (const DatasetArray& a : dataset.arrays()) {
+    if (a.components != 2 && a.components != 3) continue;
+    if (a.name == looked_at) return &a;
+    if (!found) found = &a;
+  }
+  return found;
+}
+
+/// Along the longer of the two axes that the flow does not follow. Where it follows none it is as good as any other
+/// line.
+std::array<Vec3, 2> line_across(const SampledVolume& volume, const DatasetArray& flow) {
+  const Box3 box = volume.bounds();
+  const Vec3 size = box.size(), middle = box.center();
+  std::size_t along = 0;
+  for (std::size_t c = 1; c < flow.components; ++c)
+    if (std::abs(flow.least[c] + flow.most[c]) > std::abs(flow.least[along] + flow.most[along])) along = c;
+  std::size_t across = along == 0 ? 1 : 0;
+  for (std::size_t c = 0; c < 3; ++c)
+    if (c != along && size[c] > size[across]) across = c;
+  std::array<Vec3, 2> ends{middle, middle};
+  // A twentieth inside: at the very border there is often no flow, or none that leads in.
+  ends[0][across] = box.lower[across] + 0.05 * size[across];
+  ends[1][across] = box.upper[across] - 0.05 * size[across];
+  return ends;
+}
+
+double mean_value(const VolumeModel& volume, std::size_t samples) {
+  double sum = 0;
+  for (std::size_t i = 0; i < samples; ++i) sum += volume.sample_value(i);
+  return sum / static_cast<double>(samples);
+}
+
+}  // namespace
+
+VolumeAdvice advise(VolumeModel& volume, Progress& progress) {
+  const VolumeDataset& dataset = volume.dataset();
+  const auto samples = volume.samples(progress);
+  VolumeAdvice advice;
+  VolumeOffer& offer = advice.offer;
+  offer.values = !dataset.arrays().empty();
+  offer.steps = std::max<std::size_t>(dataset.times().size(), 1);
+  // Cells of lattices and of bodies of fluid are no bodies; unstructured ones may be.
+  offer.body = samples->facts.unstructured;
+  offer.lattice = samples->lattice.has_value();
+  if (!offer.values && !offer.body)
+    volume.naming([] { throw DataError("holds no arrays, and no cells that could move: there is nothing to advise"); });
+  if (offer.values) {
+    const DatasetArray& of = volume.array();
+    const bool vector = of.components > 1 && !volume.choice().component;
+    const std::string& asked = volume.options().array;
+    advice.array = vector ? of.name + ":magnitude" : asked.empty() ? of.name : asked;
+    advice.value = vector ? mean_value(volume, samples->size()) : volume.middle_value();
+    if (const DatasetArray* const vectors = flow_array(dataset, of.name)) {
+      offer.vectors = true;
+      advice.flow = vectors->name;
+      advice.seeds = line_across(*samples, *vectors);
+    }
+    offer.traits = volume.traits(progress);
+    offer.suited = volume.suited(progress);
+  }
+  advice.recommendations = advise_volume(offer);
+  return advice;
+}
+
+}  // namespace sansmesh

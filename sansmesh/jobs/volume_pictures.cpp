@@ -1,0 +1,141 @@
+#include "sansmesh/jobs/volume_pictures.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/jobs/volume_subject.h"
+#include "sansmesh/mesh/tubes.h"
+#include "sansmesh/render/camera.h"
+#include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/volume/volume_boundary.h"
+
+namespace sansmesh {
+namespace {
+
+/// The outer edges of the grid's cells, about a pixel and a half wide; thinner where cells are small.
+PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& options) {
+  RenderOptions own = options;
+  own.surface_color = options.wire_color;
+  TubeOptions tube;
+  tube.sides = 5;
+  const double seen = options.look_radius ? 2 * *options.look_radius : samples.bounds().diagonal() / options.zoom;
+  tube.radius = 0.75 * seen / std::min(options.width, options.height);
+  // Lines that leave nothing between them would hide the volume: they may cover a share of its sides, about those of
+  // its box.
+  constexpr double kCovered = 0.3;
+  const PolylineSet lines = boundary_edges(samples);
+  const Vec3 size = samples.bounds().size();
+  const double sides = 2 * (size.x * size.y + size.y * size.z + size.z * size.x);
+  double length = 0;
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    length += norm(Vec3(lines.positions[lines.offsets[i] + 1] - lines.positions[lines.offsets[i]]));
+  if (length > 0) tube.radius = std::min(tube.radius, kCovered * sides / (2 * length));
+  return surface_in_picture(tubes(lines, tube), own);
+}
+
+}  // namespace
+
+struct VolumePictures::State {
+  std::string name;
+  VolumePictureOptions look;
+  std::shared_ptr<const SampledVolume> samples;
+  std::shared_ptr<const VolumeField> field, opacity;
+  std::unique_ptr<BakedVolume> baked, baked_opacity;
+  TriangleMesh boundary;
+  std::unique_ptr<VolumePicture> picture;
+  VolumePictureReport report;
+  std::vector<Note> notes;
+};
+
+const OptionSchema& VolumePicturesOptions::schema() {
+  using O = VolumePicturesOptions;
+  static const OptionRow rows[] = {
+      option<&O::opacity_by>({.text = "Array for the opacity, the other one then gives the colours", .unit = "name"}),
+      option_group<&O::look>(VolumePictureOptions::schema().rows),
+      option<&O::grid>({.text = "Also the edges of the grid's cells where the volume ends; with an opacity of 0 these "
+                                "alone"}),
+      option<&O::interactive>({.text = "Quick: from the field baked into bricks, whose error is reported"}),
+      option<&O::bake_error>({.text = "Of `interactive`: error above which bricks are split, share of the range",
+                              .unit = "share",
+                              .range = positive(1),
+                              .needs = "interactive"}),
+      option<&O::bar>({.text = "Without the colour bar"}),
+      option<&O::unit>({.text = "Of the array, at the colour bar"})};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
+void VolumePicturesOptions::validate() const {
+  validate_options(*this);
+  look.validate();
+  if (!bar && (!look.color_title.empty() || !unit.empty()))
+    throw ArgumentError("`label` and `unit` stand at the colour bar: not with `bar = false`");
+}
+
+VolumePictures::VolumePictures(VolumeModel& volume, const VolumePicturesOptions& options,
+                               std::vector<PictureSurface> surfaces, Progress& progress)
+    : state_(std::make_unique<State>()) {
+  options.validate();
+  State& s = *state_;
+  s.name = volume.name();
+  s.look = options.look;
+  VolumePictureOptions& look = s.look;
+  look.color_bar = options.bar;
+  if (options.interactive) look.samples = 1, look.step = 1.5, look.least_light = 0.01;
+  s.samples = volume.samples(progress);
+  s.field = volume.field(volume.as_scalar(volume.choice()), progress, s.notes);
+  if (!options.opacity_by.empty())
+    s.opacity = volume.field(volume.scalar_choice(options.opacity_by, "opacity_by"), progress, s.notes);
+  VolumeSubject subject = volume_subject(*s.samples, s.boundary);
+  subject.field = s.field.get(), subject.opacity = s.opacity.get();
+  if (options.interactive) {
+    BakeOptions bake;
+    bake.tolerance = options.bake_error;
+    bake.places = s.samples->positions;
+    progress.begin("bake");
+    const auto baked = [&](const VolumeField& field) {
+      return volume.naming([&] { return std::make_unique<BakedVolume>(field, bake, progress); });
+    };
+    s.baked = baked(*s.field);
+    subject.field = s.baked.get();
+    if (s.opacity) {
+      s.baked_opacity = baked(*s.opacity);
+      subject.opacity = s.baked_opacity.get();
+    }
+  }
+  if (options.any_view)
+    if (const auto view = view_of_layer(s.samples->bounds(), look.up)) look.view = *view;
+  subject.surfaces = std::move(surfaces);
+  if (options.grid) subject.surfaces.push_back(grid_lines(*s.samples, look));
+  if (look.color_title.empty()) look.color_title = volume.array_name() + (volume.is_vector() ? " (magnitude)" : "");
+  if (!options.unit.empty()) look.color_title += " [" + options.unit + "]";
+  s.picture = volume.naming([&] { return std::make_unique<VolumePicture>(std::move(subject), progress); });
+}
+
+VolumePictures::~VolumePictures() = default;
+VolumePictures::VolumePictures(VolumePictures&&) noexcept = default;
+
+const VolumePictureOptions& VolumePictures::look() const { return state_->look; }
+
+Image VolumePictures::render(const ViewDirection& view, Progress& progress) {
+  VolumePictureOptions look = state_->look;
+  look.view = view;
+  try {
+    return state_->picture->render(look, progress, &state_->report);
+  } catch (const DataError& error) {
+    throw DataError(printable(state_->name, 200) + ": " + error.what());
+  }
+}
+
+const VolumePictureReport& VolumePictures::report() const { return state_->report; }
+
+const BakeReport* VolumePictures::baked() const { return state_->baked ? &state_->baked->report() : nullptr; }
+
+std::vector<Note> VolumePictures::notes() const {
+  std::vector<Note> notes = state_->notes;
+  add_notes(notes, "picture", state_->report.notes, state_->name);
+  return notes;
+}
+
+}  // namespace sansmesh
