@@ -107,7 +107,7 @@ Command add_volume_render(CommandLine& volume) {
   c.add_option("--save-transfer", a.save_transfer, "Also writes what was used, to be changed and given to --transfer")
       .type_name("FILE");
   a.contents.add_options(c);
-  add_schema(c, a.options, {.without = {"bar", "label", "unit", "title"}});
+  add_schema(c, a.options, {.without = {"preset", "opacity", "iso", "bar", "label", "unit", "title"}});
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});
   c.add_option_function(
        "--axes", [&o = a.options.look](const std::string& unit) { o.axes = true, o.unit = unit; },
