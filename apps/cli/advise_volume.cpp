@@ -37,8 +37,8 @@ std::string seeds_words(const std::array<Vec3, 2>& ends) {
 }
 
 /// The command that makes what is recommended; `files` with all that has to be said of them again.
-std::string command_of(const VolumeRecommendation& r, const VolumeAdvice& advice, const std::string& files,
-                       bool several) {
+std::string volume_command(const VolumeRecommendation& r, const VolumeAdvice& advice, const std::string& files,
+                           bool several) {
   const bool series = advice.offer.steps > 1;
   const std::string array = advice.array.empty() ? "" : " --array " + shell_word(advice.array);
   std::string flow;
@@ -130,7 +130,7 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
   files += raw_words(input.read);
   json["commands"] = Json::array();
   for (const VolumeRecommendation& r : advice.recommendations) {
-    const std::string command = command_of(r, advice, files, input.files.size() > 1);
+    const std::string command = volume_command(r, advice, files, input.files.size() > 1);
     console.say(fmt::format("{:<16}{}", aim_word(r.aim), r.why));
     console.say("  $ " + command);
     json["commands"].push_back({{"aim", aim_word(r.aim)}, {"why", r.why}, {"command", command}});

@@ -77,7 +77,7 @@ void check_deform(DeformArguments& a) {
   VolumePictureOptions& look = a.options.look;
   static_cast<RenderOptions&>(look) = a.picture.chosen();
   set_background(look, a.background);
-  a.options.own_view = a.picture.has_view();
+  a.options.any_view = !a.picture.has_view();
   a.picture.check_frames(a.options.frames.has_value());
   a.deformation.validate();
   a.options.validate(a.aim());
@@ -297,12 +297,7 @@ Command add_deform(CommandLine& app) {
   c.add_flag("--ascii", a.ascii, "Text instead of binary, where the format has both").group("Meshes");
 
   const char* const functions = "Functions and solids";
-  add_schema(c, a.options, {.group = functions, .only = {"resolution", "cell", "simplify"}});
-  c.add_option_function(
-       "--components", [&a](const std::string& text) { a.options.components = parse_components(text); },
-       "Parts to keep: auto, all, largest or a number [auto with functions, otherwise all]")
-      .type_name("CHOICE")
-      .group(functions);
+  add_schema(c, a.options, {.group = functions, .only = {"resolution", "cell", "simplify", "components"}});
   add_schema(c, a.options, {.group = functions, .only = {"plane"}});
   c.add_option("--unit", a.unit, "mm, cm or in: the drawing is true to scale")
       .type_name("UNIT")

@@ -1,10 +1,7 @@
 #include "flow_input.h"
 
-#include <fmt/core.h>
-
 #include "command_line.h"
 #include "option_values.h"
-#include "sansmesh/core/error.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {
@@ -37,17 +34,6 @@ void add_times_option(CommandLine& c, std::vector<double>& times, const char* gr
                              "With --unsteady: of the files, T0,T1,…, or the first and the step between them [0,1]")
                             .type_name("TIMES");
   if (group != nullptr) option.group(group);
-}
-
-std::vector<double> times_of_files(const std::vector<double>& given, std::size_t files) {
-  if (given.size() == files) return given;
-  if (!given.empty() && given.size() != 2)
-    throw ArgumentError(
-        fmt::format("--times has {} numbers for {} files: as many, or the first and the step", given.size(), files));
-  const double from = given.empty() ? 0 : given[0], step = given.empty() ? 1 : given[1];
-  std::vector<double> times(files);
-  for (std::size_t i = 0; i < files; ++i) times[i] = from + step * static_cast<double>(i);
-  return times;
 }
 
 }  // namespace sansmesh::cli

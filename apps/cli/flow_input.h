@@ -23,9 +23,6 @@ void add_flow_input(CommandLine& command, FlowInput& input);
 
 /// --times
 void add_times_option(CommandLine& command, std::vector<double>& times, const char* group = nullptr);
-/// When so many files are, as --times says: of each, or the first and the step; 0, 1, 2, … if nothing was given. Throws
-/// ArgumentError for other numbers of times.
-std::vector<double> times_of_files(const std::vector<double>& given, std::size_t files);
 
 /// What the footers of these commands say of DATA.
 inline constexpr const char* kFlowsByFormula =

@@ -39,8 +39,8 @@ void check_flow_lines(FlowLinesArguments& a) {
     return;
   }
   a.drawn.look = a.picture.chosen();
-  a.drawn.own_view = a.picture.has_view();
-  a.drawn.own_background = !a.background.empty();
+  a.drawn.any_view = !a.picture.has_view();
+  a.drawn.any_background = a.background.empty();
   set_background(a.drawn.look, a.background);
   a.drawn.validate(usual_color(a.options.lines));
   check_writable(a.preview, "image");

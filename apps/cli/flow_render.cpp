@@ -28,7 +28,7 @@ struct FlowRenderArguments {
 void run_flow_render(FlowRenderArguments& a, Console& console) {
   check_writable(a.output, "image");
   a.options.look = a.picture.chosen();
-  a.options.own_view = a.picture.has_view();
+  a.options.any_view = !a.picture.has_view();
   set_background(a.options.look, a.background);
   a.options.validate();
   a.picture.check_frames(a.options.frames.has_value());

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "console.h"
-#include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/render/picture_surfaces.h"
 
 namespace sansmesh::cli {

@@ -77,15 +77,12 @@ std::shared_ptr<const CarriedSurface> open_surface(const SimulateArguments& a, c
 std::optional<CarriedVolume> open_carried_volume(SimulateArguments& a, Console& console) {
   if (a.volume_file.empty()) return std::nullopt;
   a.volume.files = {a.volume_file};
-  OpenVolume open(a.volume, console);
+  VolumeModel open = a.volume.open(console);
+  std::vector<Note> notes;
   CarriedVolume volume;
-  try {
-    open.dataset().default_array();  // there must be one
-    volume.field = open.field(as_scalar(open.choice(), open));
-  } catch (const DataError& error) {
-    throw FileError(a.volume_file, error.what());
-  }
-  volume.image = open.samples()->lattice.has_value();
+  volume.field = open.field(open.as_scalar(open.choice()), console.progress(), notes);
+  console.note(a.volume_file, notes);
+  volume.image = open.samples(console.progress())->lattice.has_value();
   a.colors.put_into(volume.look);
   return volume;
 }

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include "command_line.h"
 #include "sansmesh/render/volume_options.h"
@@ -10,12 +9,11 @@
 namespace sansmesh::cli {
 
 struct VolumeColors {
-  std::string preset, transfer;
-  std::vector<std::string> isos;
-  double opacity = 1;
+  VolumePictureOptions look;  ///< its preset, opacity and iso-surfaces
+  std::string transfer;       ///< a file
 
   /// None of the options was given.
-  bool usual() const { return preset.empty() && transfer.empty() && isos.empty() && opacity == 1; }
+  bool usual() const { return transfer.empty() && options_set(look).empty(); }
   /// Reads the transfer function's file. Throws FileError and ArgumentError.
   void put_into(VolumePictureOptions& options) const;
   void add_options(CommandLine& command, const char* group);

@@ -11,7 +11,6 @@
 #include "picture_contents.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/volume_pictures.h"
 #include "sansmesh/render/transfer_json.h"
 #include "schema_options.h"
@@ -108,7 +107,7 @@ Command add_volume_render(CommandLine& volume) {
   c.add_option("--save-transfer", a.save_transfer, "Also writes what was used, to be changed and given to --transfer")
       .type_name("FILE");
   a.contents.add_options(c);
-  add_schema(c, a.options, {.without = {"bar", "label", "unit", "title"}});
+  add_schema(c, a.options, {.without = {"preset", "opacity", "iso", "bar", "label", "unit", "title"}});
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});
   c.add_option_function(
        "--axes", [&o = a.options.look](const std::string& unit) { o.axes = true, o.unit = unit; },

@@ -63,8 +63,8 @@ std::optional<ColorBar> bar_of(const VolumeSurfaceArguments& a, const std::optio
   return ColorBar{shown->colors, with_unit(a.look.color_by, a.unit), shown->ends};
 }
 
-void draw(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, VolumeModel& volume, Console& console,
-          Json& json) {
+void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, VolumeModel& volume,
+                  Console& console, Json& json) {
   SurfaceRenderOptions look;
   static_cast<RenderOptions&>(look) = a.picture.chosen();
   set_background(look, a.background);
@@ -156,7 +156,7 @@ void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
   if (!a.points.empty())
     points = volume.naming([&] { return sample_volume_surface(surface.surface, a.distance, progress); });
   if (a.to_picture())
-    draw(a, surface, volume, console, json);
+    draw_surface(a, surface, volume, console, json);
   else if (!a.output.empty())
     write_surface(a, surface, volume, console, json);
   if (points) {

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/meshing/component_words.h"
 #include "sansmesh/meshing/mesh_csg.h"
 
 namespace sansmesh {
@@ -33,6 +34,9 @@ const OptionSchema& DeformOptions::schema() {
       option<&O::simplify>({.text = "Fewer triangles where the surface is flat to within this; 0: nowhere",
                             .unit = "length",
                             .range = at_least(0)}),
+      option<&O::components>({.text = "Parts to keep: auto, all, largest or a number",
+                              .unit = "choice",
+                              .from_data = "auto with functions, otherwise all"}),
       option<&O::planes>({.text = "Of sections: z=0.5, or nx,ny,nz,d; may be repeated",
                           .unit = "plane",
                           .from_data = "three through the middle",

@@ -36,9 +36,9 @@ struct DeformOptions {
   bool exact = false;  ///< in pictures: straight through the deformation, and of solids without a mesh
   bool draw_handles = false, draw_folds = false;
   VolumePictureOptions look = {};  ///< of pictures: all but of volumes its RenderOptions alone
-  bool own_view = false;           ///< the view of `look` was chosen; else that of thin volumes follows from their box
+  bool any_view = true;            ///< nobody chose the view: that of a thin volume looks straight at it
 
-  /// Without `components` and `look`.
+  /// Without `look`.
   static const OptionSchema& schema();
   /// Throws ArgumentError for bad options, and for such as mean nothing to the aim.
   void validate(DeformAim aim) const;

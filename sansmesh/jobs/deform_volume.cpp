@@ -71,7 +71,7 @@ class VolumePoses {
       look_.preset.clear();
     }
     if (look_.color_title.empty()) look_.color_title = volume_.arrays.at(0);
-    if (!options_.own_view)
+    if (options_.any_view)
       if (const auto view = view_of_layer(samples.bounds(), look_.up)) look_.view = *view;
     look_.steady = options_.frames.has_value();
     framed_ = places_of_poses(deformation_, before_, options_, true);

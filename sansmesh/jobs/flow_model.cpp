@@ -16,6 +16,7 @@
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/point_table.h"
 #include "sansmesh/jobs/flow_series.h"
+#include "sansmesh/jobs/volume_series.h"
 
 namespace sansmesh {
 namespace {
@@ -57,18 +58,6 @@ std::uint64_t usual_memory() {
   // Of a container; the file holds a word where there is no limit.
   if (double limit = 0; std::ifstream("/sys/fs/cgroup/memory.max") >> limit) most = std::min(most, limit);
   return whole_part<std::uint64_t>(most / 4);
-}
-
-/// When the files are: as given of each, or by the first and the step.
-std::vector<double> moments_of_files(const std::vector<double>& given, std::size_t files) {
-  if (given.size() == files) return given;
-  if (!given.empty() && given.size() != 2)
-    throw ArgumentError(
-        fmt::format("`times` has {} numbers for {} files: as many, or the first and the step", given.size(), files));
-  const double from = given.empty() ? 0 : given[0], step = given.empty() ? 1 : given[1];
-  std::vector<double> times(files);
-  for (std::size_t i = 0; i < files; ++i) times[i] = from + step * static_cast<double>(i);
-  return times;
 }
 
 }  // namespace
@@ -131,7 +120,7 @@ FlowModel FlowModel::series(const std::vector<std::string>& files, const VolumeM
   const DatasetArray array = volume.dataset().array(choice.array);
   volume.naming([&] { check_speeds(array); });
   const std::string source = volume_name(files);
-  std::vector<double> times = several ? moments_of_files(options.times, files.size()) : volume.dataset().times();
+  std::vector<double> times = several ? times_of_series(options.times, files.size()) : volume.dataset().times();
   if (times.size() < 2)
     throw FileError(source, "holds one step in time: nothing changes (it is a steady flow, without `unsteady`)");
   FlowModel flow(nullptr, fmt::format("{} of {}, {} steps", choice.array, source, times.size()));

@@ -131,7 +131,7 @@ class SurfacePictures {
     result_.surface = surface_.report;
     Box3 box;
     for (const FlowPoint& p : surface_.points) places_.push_back(p.position), box.extend(p.position);
-    if (!options.own_view)
+    if (options.any_view)
       if (const auto view = view_of_layer(box, look_.up)) look_.view = *view;
     color_surface(color);
     leave_room();

@@ -42,7 +42,7 @@ struct FlowPictureOptions {
   std::string unit = {};    ///< of what is shown
   std::string title = {};   ///< above the picture
   RenderOptions look = {};  ///< its width is that of picture and bars together
-  bool own_view = false;    ///< the view of `look` was chosen; else that of single layers follows from their box
+  bool any_view = true;     ///< nobody chose the view: that of a single layer looks straight at it
 
   /// Without `look`.
   static const OptionSchema& schema();

@@ -85,11 +85,11 @@ TriangleMesh tubes_around(const PolylineSet& lines, double radius) {
 RenderOptions look_for(const LinePictureOptions& options, const Box3& box) {
   RenderOptions look = options.look;
   look.shadows = look.ground = false;
-  if (!options.own_background) {
+  if (options.any_background) {
     look.background = RenderOptions::Background::solid;
     look.background_color = {0.93f, 0.94f, 0.95f};
   }
-  if (!options.own_view)
+  if (options.any_view)
     if (const auto view = view_of_layer(box, look.up)) look.view = *view;
   return look;
 }

@@ -20,8 +20,8 @@ struct LinePictureOptions {
   std::optional<double> tube_radius = {};  ///< length; default: 1/400 of the lines' diagonal
   /// Its width is that of tubes and scale together. Shadows and ground mean nothing: colours are to be read.
   RenderOptions look = {};
-  bool own_view = false;        ///< the view of `look` was chosen; else that of single layers follows from their box
-  bool own_background = false;  ///< its background, too; else it is light gray
+  bool any_view = true;        ///< nobody chose the view: that of a single layer looks straight at it
+  bool any_background = true;  ///< nobody chose the background: it is light gray
 
   /// Without `look`.
   static const OptionSchema& schema();

@@ -54,6 +54,34 @@ std::optional<Vec3> direction_of(std::string_view text) {
   return n;
 }
 
+/// One of the presets; an empty name is none.
+struct PresetWords {
+  static constexpr auto kind = OptionKind::choice;
+  static OptionValue get(const std::string& name) {
+    const auto known = transfer_function_presets();
+    const auto at = std::find(known.begin(), known.end(), name);
+    return at == known.end() ? OptionValue() : OptionValue(static_cast<std::int64_t>(at - known.begin()));
+  }
+  static std::string from(const OptionValue& value) {
+    return std::string(transfer_function_presets()[static_cast<std::size_t>(std::get<std::int64_t>(value))]);
+  }
+};
+
+struct IsoWords {
+  static constexpr auto kind = OptionKind::texts;
+  static OptionValue get(const std::vector<IsoSurface>& isos) {
+    std::vector<std::string> words;
+    for (const IsoSurface& i : isos)
+      words.push_back(fmt::format("{}:{}:{}", i.value, i.color ? hex_of_color(*i.color) : "", i.opacity));
+    return words;
+  }
+  static std::vector<IsoSurface> from(const OptionValue& value) {
+    std::vector<IsoSurface> isos;
+    for (const std::string& word : std::get<std::vector<std::string>>(value)) isos.push_back(iso_surface_of(word));
+    return isos;
+  }
+};
+
 struct CutWords {
   static constexpr auto kind = OptionKind::texts;
   static OptionValue get(const std::vector<VolumeCut>& cuts) {
@@ -128,7 +156,19 @@ VolumeCut volume_cut_of(const std::string& text) {
 
 const OptionSchema& VolumePictureOptions::schema() {
   using O = VolumePictureOptions;
-  static constexpr OptionRow rows[] = {
+  static const OptionRow rows[] = {
+      option<&O::preset, PresetWords>(
+          {.text = "Colours and opacities: ct-bone, ct-soft-tissue, mr, flow, diverging, gray",
+           .unit = "name",
+           .from_data = "from the values' histogram",
+           .choices = transfer_function_presets()}),
+      option<&O::opacity_scale>({.text = "Multiplies the opacity; 0: iso-surfaces and cuts only",
+                                 .unit = "factor",
+                                 .range = {.least = 0, .most = 1000},
+                                 .name = "opacity"}),
+      option<&O::isos, IsoWords>({.text = "Surface of a value: V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated",
+                                  .unit = "value",
+                                  .name = "iso"}),
       option<&O::cuts, CutWords>({.text = "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated",
                                   .unit = "place",
                                   .name = "cut"}),
@@ -137,7 +177,7 @@ const OptionSchema& VolumePictureOptions::schema() {
       option<&O::color_title>(
           {.text = "Of the colour bar: what is shown", .from_data = "the array's name", .name = "label"}),
       option<&O::title>({.text = "Above the picture"})};
-  static constexpr OptionSchema schema{rows};
+  static const OptionSchema schema{rows};
   return schema;
 }
 

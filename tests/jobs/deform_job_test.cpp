@@ -210,6 +210,48 @@ TEST(DeformJob, SolidsBecomeMeshesSectionsAndPictures) {
   EXPECT_EQ(width, 32);
 }
 
+TEST(DeformJob, VolumesAreResampledAndSeenThrough) {
+  GridBlock block;
+  block.kind = GridKind::lattice;
+  for (std::size_t k = 0; k < 3; ++k) block.axes[k] = {-2, -1, 0, 1, 2};
+  std::vector<float> height, flow;
+  for (int i = 0; i < 125; ++i) height.push_back(static_cast<float>(i / 25 - 2)), flow.insert(flow.end(), {0, 3, 4});
+  block.point_arrays.set("height", std::move(height));
+  block.point_arrays.set("flow", std::move(flow), 3);
+  GridData data;
+  data.blocks.push_back(std::move(block));
+  VolumeModel volume(VolumeDataset(std::move(data)), "block.vti");
+  Progress progress;
+  std::vector<Note> notes;
+  const Deformation moved = moved_by({5, 0, 0});
+
+  const DeformableVolume all = deformable_volume(volume, DeformAim::shape, true, progress, notes);
+  EXPECT_EQ(all.arrays, (std::vector<std::string>{"height", "flow"}));
+  const DeformResult lattice = deform(
+      all, moved, DeformAim::shape, {.box = Box3{{3, -2, -2}, {7, 2, 2}}, .lattice = {.size = {9}}},
+      [](int, const DeformedPose& made) {
+        const GridBlock& on = std::get<GridBlock>(made);
+        const Attribute* const values = on.point_arrays.find("height");
+        ASSERT_NE(values, nullptr);
+        EXPECT_NEAR(values->number(4 + 9 * (4 + 9 * 6)), 1, 1e-4);  // at (5, 0, 1)
+        EXPECT_NE(on.point_arrays.find("flow"), nullptr);
+      },
+      progress);
+  EXPECT_EQ(lattice.report.size[0], 9u);
+  EXPECT_NEAR(lattice.report.inside, 1, 0.4);  // but for its faces
+
+  volume = VolumeModel(volume.dataset(), "block.vti", {.array = "flow"});
+  const DeformableVolume seen = deformable_volume(volume, DeformAim::picture, false, progress, notes);
+  EXPECT_EQ(seen.fields.at(0)->components(), 1u);
+  DeformOptions options{.map_nodes = 8};
+  options.look.width = 32, options.look.height = 24;
+  const DeformResult drawn = deform(
+      seen, moved, DeformAim::picture, options,
+      [](int, const DeformedPose& made) { EXPECT_EQ(std::get<Image>(made).width, 32); }, progress);
+  EXPECT_GT(drawn.report.rays, 0u);
+  EXPECT_NE(refused([&] { deform(seen, moved, DeformAim::sections, {}, kIgnore, progress); }), "");
+}
+
 TEST(DeformJob, FoldsAreNotedWithTheRemedy) {
   Progress progress;
   const DeformResult folded = deform(ball(1), crossed(), DeformAim::sections, {}, kIgnore, progress);
