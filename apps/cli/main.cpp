@@ -118,7 +118,9 @@ int run_line(int argc, char** argv) {
     if (parsed.wish == ParsedLine::Wish::run) {
       run(command_of_line(commands, *chosen), common, kept);
     } else {
-      print_out(parsed.wish == ParsedLine::Wish::help ? help_text(*chosen) : "sansmesh " SANSMESH_VERSION "\n");
+      print_out(parsed.wish == ParsedLine::Wish::version
+                    ? "sansmesh " SANSMESH_VERSION "\n"
+                    : help_text(*chosen, parsed.wish == ParsedLine::Wish::help_all));
       finish_out();
     }
     return 0;

@@ -54,7 +54,7 @@ class CommandLineTool : public ToolTest {
     while (!to_do.empty()) {
       const Words command = to_do.back();
       to_do.pop_back();
-      const std::string help = run(Words{"help"} + command).out;
+      const std::string help = run(Words{"help"} + command + Words{"--all"}).out;
       const Words further = commands_of(help);
       for (const std::string& name : further) to_do.push_back(command + Words{name});
       if (further.empty()) all[command] = help;
@@ -234,6 +234,15 @@ TEST_F(CommandLineTool, HelpIsAskedForInEveryWay) {
   EXPECT_EQ(run({"--help", "volume", "probe"}).out, help);
   EXPECT_EQ(run({"volume", "probe", "x.vti", "--no-such-option", "--help"}).out, help);
   EXPECT_EQ(run({"help"}).out, run({"--help"}).out);
+  const std::string all = run({"volume", "probe", "--help-all"}).out;
+  EXPECT_EQ(run({"help", "volume", "probe", "--all"}).out, all);
+  EXPECT_NE(all.find("\nReconstruction:\n"), std::string::npos) << all;
+  // What is not used first has its name there, and a way to it.
+  EXPECT_EQ(help.find("\nReconstruction:\n"), std::string::npos) << help;
+  EXPECT_NE(help.find("\n  reconstruction"), std::string::npos) << help;
+  const std::string group = run({"help", "volume", "probe", "reconstruction"}).out;
+  EXPECT_TRUE(group.starts_with("Reconstruction:\n")) << group;
+  EXPECT_NE(all.find(group), std::string::npos) << group;
   expect_line({"help", "volume", "prob"},
               "unknown command 'prob' of volume (did you mean probe?) (see sansmesh help volume)");
   expect_line({"help", "mesh", "it"}, "mesh has no commands of its own, not 'it' (see sansmesh help mesh)");
