@@ -226,6 +226,27 @@ TEST_F(CommandLineTool, SaysWhatMayHaveBeenMeant) {
   expect_line({"info", "scnas/scan.ply"}, "scnas/scan.ply: no such file (did you mean 'scans'?)", 1);
 }
 
+/// With --json what went wrong is data, too.
+TEST_F(CommandLineTool, ErrorsAreDataWhereTheyAreWanted) {
+  write_points(path("scan.ply"), sphere(100));
+  const auto error_of = [&](const Words& line, int code) {
+    const Outcome outcome = run(line + Words{"--json"});
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    EXPECT_EQ(outcome.lines_of_error(), 1) << outcome.err;
+    const auto json = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(json["schema"], 1);
+    EXPECT_EQ(json["error"]["exit_code"], code);
+    EXPECT_EQ("sansmesh: " + json["error"]["text"].get<std::string>() + "\n", outcome.err);
+    return json["error"];
+  };
+  const auto missing = error_of({"info", "none.ply"}, 1);
+  EXPECT_EQ(missing["kind"], "file");
+  EXPECT_EQ(missing["file"], "none.ply");
+  const auto wrong = error_of({"reconstruct", "scan.ply", "-o", "x.ply", "--surface", "apss", "--order", "2"}, 2);
+  EXPECT_EQ(wrong["kind"], "argument");
+  EXPECT_EQ(json_of({"info", "scan.ply"})["schema"], 1);
+}
+
 TEST_F(CommandLineTool, HelpIsAskedForInEveryWay) {
   const std::string help = run({"volume", "probe", "--help"}).out;
   EXPECT_NE(help.find("Usage: sansmesh volume probe data... [OPTIONS]\n"), std::string::npos) << help;
