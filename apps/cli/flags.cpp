@@ -26,6 +26,8 @@ std::string flag_of(std::string_view field, const CommandLine& command) {
     if (option->row && option->row->kind == OptionKind::flag &&
         (option->field + " = true" == field || option->row->name == field))
       return option->name();
+  for (const auto& option : command.options())
+    if (option->row && !option->row->old_name.empty() && option->row->old_name == field) return option->name();
   for (const FlagOfField& f : kFlags)
     if (f.field == field)
       if (std::string flag = known(f.flag); !flag.empty()) return flag;

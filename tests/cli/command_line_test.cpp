@@ -341,7 +341,7 @@ TEST_F(CommandLineTool, TheJsonOfEveryCommandHasItsWarnings) {
       {{"measure"}, {"mesh.ply"}},
       {{"csg"}, {"sphere(1)", "-o", "x.ply", "--resolution", "16"}},
       {{"deform"}, {"gap.ply", "--handles", "pull.json", "-o", "x.ply"}},
-      {{"simulate"}, {"bar.mesh", "-o", "x.ply", "--frames", "2", "--time", "0.01"}},
+      {{"simulate"}, {"bar.mesh", "-o", "x.ply", "--frames", "2", "--duration", "0.01"}},
       {{"align"}, {"gap.ply", "ball.ply", "--from", "here"}},
       {{"fill"}, {"mesh.ply", "--list"}},
       {{"simplify"}, {"mesh.ply", "-o", "x.ply"}},
@@ -352,9 +352,11 @@ TEST_F(CommandLineTool, TheJsonOfEveryCommandHasItsWarnings) {
       {{"volume", "isosurface"}, {ball, "-o", "x.ply", "--method", "linear"}},
       {{"volume", "render"}, Words{ball, "-o", "x.png", "--method", "linear"} + small},
       {{"volume", "surface"}, Words{ball, "-o", "x.png", "--quick"} + small},
-      {{"flow", "lines"}, {"rotation", "--seeds", "point(0.5,0,0); point(99,99,99)", "--time", "0.1", "-o", "x.ply"}},
-      {{"flow", "surface"}, {"rotation", "--seeds", circle, "--time", "0.1", "-o", "x.ply"}},
-      {{"flow", "render"}, Words{"rotation", "--seeds", circle, "--time", "0.1", "--smooth", "-o", "x.png"} + small}};
+      {{"flow", "lines"},
+       {"rotation", "--seeds", "point(0.5,0,0); point(99,99,99)", "--duration", "0.1", "-o", "x.ply"}},
+      {{"flow", "surface"}, {"rotation", "--seeds", circle, "--duration", "0.1", "-o", "x.ply"}},
+      {{"flow", "render"},
+       Words{"rotation", "--seeds", circle, "--duration", "0.1", "--smooth", "-o", "x.png"} + small}};
   std::size_t warned = 0;
   for (const auto& [command, help] : commands()) {
     const auto found = rest.find(command);

@@ -78,7 +78,7 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
                               {section, {"--resolution", "1"}},
                               {compare, {"--tolerance", "-1"}},
                               {compare, {"--max-distance", "0"}},
-                              {compare, {"--range", "0"}},
+                              {compare, {"--color-range", "0"}},
                               {evaluate, {"--samples", "0"}}};
   // Options of surfaces: out of range, and of other methods.
   for (const std::vector<std::string>& typed :
