@@ -28,7 +28,9 @@ void add_common(CommandLine& line, CommonArguments& common) {
       .within(1, ThreadScope::kMost)
       .type_name("COUNT");
   line.add_flag_callback(
-      "-h,--help", [] {}, "Print what can be said to the command");
+      "-h,--help", [] {}, "Print what people use first, and the names of the other options");
+  line.add_flag_callback(
+      "--help-all", [] {}, "Print every option");
   line.add_flag_callback(
       "-V,--version", [] {}, "Print the version");
 }

@@ -77,6 +77,7 @@ void Console::say(const std::string& line) {
 
 void Console::say_json(Json json) {
   if (!options_.json) return;
+  json["schema"] = kReportVersion;
   json["warnings"] = warnings_;
   json["messages"] = messages_;
   show(json.text() + "\n");

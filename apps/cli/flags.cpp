@@ -10,12 +10,9 @@ struct FlagOfField {
 };
 
 /// Where the flag is not the field's name with dashes. Of several, the first that a command has.
-constexpr FlagOfField kFlags[] = {{"range", "--color-range"},
-                                  {"classes", "--class"},
-                                  {"fill_values", "--fill-value"},
-                                  {"opacity_scale", "--opacity"},
-                                  {"stiffness_damping", "--damping"},
-                                  {"frames_per_second", "--fps"}};
+constexpr FlagOfField kFlags[] = {{"range", "--color-range"},         {"classes", "--class"},
+                                  {"fill_values", "--fill-value"},    {"opacity_scale", "--opacity"},
+                                  {"stiffness_damping", "--damping"}, {"frames_per_second", "--fps"}};
 
 /// What the command calls a field; empty if it has no option for it.
 std::string flag_of(std::string_view field, const CommandLine& command) {
@@ -29,6 +26,8 @@ std::string flag_of(std::string_view field, const CommandLine& command) {
     if (option->row && option->row->kind == OptionKind::flag &&
         (option->field + " = true" == field || option->row->name == field))
       return option->name();
+  for (const auto& option : command.options())
+    if (option->row && !option->row->old_name.empty() && option->row->old_name == field) return option->name();
   for (const FlagOfField& f : kFlags)
     if (f.field == field)
       if (std::string flag = known(f.flag); !flag.empty()) return flag;

@@ -9,7 +9,7 @@ std::vector<Command> add_flow(CommandLine& app) {
   c.footer(std::string(kReadableVolumes) +
            "\n\nExamples:\n"
            "  sansmesh flow lines office.vtk --seeds 'line(0,0,1, 4,4,1, 50)' -o lines.vtp\n"
-           "  sansmesh flow surface tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.2, 100)' --time 5 -o tube.ply");
+           "  sansmesh flow surface tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.2, 100)' --duration 5 -o tube.ply");
   return {add_flow_lines(c), add_flow_surface(c), add_flow_render(c)};
 }
 

@@ -109,7 +109,7 @@ Command add_flow_lines(CommandLine& flow) {
            "Examples:\n"
            "  sansmesh flow lines office.vtk --seeds 'line(0,0,1, 4,4,1, 50)' -o lines.vtp\n"
            "  sansmesh flow lines eddies.nek5000 --unsteady --kind streak --seeds 'point(3,3,0)' -o dye.vtp\n"
-           "  sansmesh flow lines tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.3, 40)' --time 10 -o column.csv");
+           "  sansmesh flow lines tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.3, 40)' --duration 10 -o column.csv");
   return {&c, [shared](Console& console) { run_flow_lines(*shared, console); }};
 }
 

@@ -75,7 +75,7 @@ Command add_flow_render(CommandLine& flow) {
   c.footer(std::string(kFlowsByFormula) +
            "Examples:\n"
            "  sansmesh flow render office.vtk --seeds 'line(0.5,0.5,1, 4,4,1, 200)' -o stream.png --mesh walls.ply\n"
-           "  sansmesh flow render tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.2, 100)' --time 5 -o t.png "
+           "  sansmesh flow render tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.2, 100)' --duration 5 -o t.png "
            "--opacity 0.5\n"
            "  sansmesh flow render eddies.nek5000 --unsteady --seeds 'line(1,1,0, 5,5,0, 200)' -o path.png "
            "--frames 24");

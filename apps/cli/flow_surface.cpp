@@ -53,7 +53,7 @@ Command add_flow_surface(CommandLine& flow) {
       "Examples:\n"
       "  sansmesh flow surface office.vtk --seeds 'line(0.5,0.5,1, 4,4,1, 200)' -o stream.ply --preview stream.png\n"
       "  sansmesh flow surface eddies.nek5000 --unsteady --seeds 'line(1,1,0, 5,5,0, 200)' -o path.ply\n"
-      "  sansmesh flow surface tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.2, 100)' --time 5 -o tube.ply");
+      "  sansmesh flow surface tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.2, 100)' --duration 5 -o tube.ply");
   return {&c, [shared](Console& console) { run_flow_surface(*shared, console); }};
 }
 

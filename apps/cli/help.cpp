@@ -25,12 +25,26 @@ Command add_help(CommandLine& app) {
   CommandLine& c = app.add_subcommand("help", "Help on a command");
   c.without_common_options();
   auto words = std::make_shared<std::vector<std::string>>();
-  c.add_option("command", *words, "Command, and if it has some, which of its own [all commands]").type_name("COMMAND");
+  auto all = std::make_shared<bool>(false);
+  c.add_option("command", *words,
+               "Command, and if it has some, which of its own; then a heading of its options may follow [all commands]")
+      .type_name("COMMAND");
+  c.add_flag("--all", *all, "Every option, as --help-all");
   c.footer(
       "Examples:\n"
       "  sansmesh help reconstruct\n"
+      "  sansmesh help reconstruct --all\n"
+      "  sansmesh help render picture\n"
       "  sansmesh help volume render");
-  return {&c, [words, &app](Console&) { print_out(help_text(command_of(app, *words))); }};
+  return {&c, [words, all, &app](Console&) {
+            if (words->size() > 1) {
+              const std::vector<std::string> before(words->begin(), words->end() - 1);
+              const CommandLine* const command = find_command(app, before);
+              const std::string group = command ? help_on_group(*command, words->back()) : "";
+              if (!group.empty()) return print_out(group);
+            }
+            print_out(help_text(command_of(app, *words), *all));
+          }};
 }
 
 Command add_completion(CommandLine& app) {

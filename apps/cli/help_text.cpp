@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cctype>
 
 namespace sansmesh::cli {
 namespace {
@@ -115,17 +116,68 @@ std::vector<OptionGroup> option_groups_of(const CommandLine& command) {
   return groups;
 }
 
-std::string help_text(const CommandLine& command) {
+namespace {
+
+/// So many options are shown at least, before those under further headings are only named.
+constexpr std::size_t kFirst = 12;
+/// Fewer than this under a heading are not worth to be hidden.
+constexpr std::size_t kFew = 3;
+
+std::string lines_of_group(const OptionGroup& group) {
+  std::string text = group.heading.empty() ? "\n" : "\n" + group.heading + ":\n";
+  for (const OptionEntry* option : group.options)
+    text += entry_lines(option_words(*option),
+                        option->what + (option->required && !option->positional() ? " (required)" : ""));
+  return text;
+}
+
+/// A heading as a word of the command line.
+std::string word_of_heading(const std::string& heading) {
+  std::string word;
+  for (const char c : heading) word += c == ' ' ? '-' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return word;
+}
+
+std::string names_in(const OptionGroup& group) {
+  std::string names;
+  for (const OptionEntry* option : group.options) names += (names.empty() ? "" : " ") + option->name();
+  return names;
+}
+
+std::string words_of_command(const CommandLine& command) {
+  return command.parent() ? command.full_name().substr(command.root().name().size()) : "";
+}
+
+}  // namespace
+
+std::string help_on_group(const CommandLine& command, const std::string& word) {
+  for (const OptionGroup& group : option_groups_of(command))
+    if (!group.heading.empty() && word_of_heading(group.heading) == word) return lines_of_group(group).substr(1);
+  return "";
+}
+
+std::string help_text(const CommandLine& command, bool all) {
   std::string text = command.what() + "\n\nUsage: " + usage_of(command) + "\n";
   if (!command.commands().empty()) {
     text += "\nCommands:\n";
     for (const auto& further : command.commands()) text += entry_lines(further->name(), further->what());
   }
+  std::size_t shown = 0;
+  std::string named;
   for (const OptionGroup& group : option_groups_of(command)) {
-    text += group.heading.empty() ? "\n" : "\n" + group.heading + ":\n";
-    for (const OptionEntry* option : group.options)
-      text += entry_lines(option_words(*option),
-                          option->what + (option->required && !option->positional() ? " (required)" : ""));
+    if (all || shown < kFirst || group.options.size() < kFew) {
+      text += lines_of_group(group);
+      shown += group.options.size();
+    } else {
+      named += entry_lines(word_of_heading(group.heading), names_in(group));
+    }
+  }
+  if (!named.empty()) {
+    const std::string& tool = command.root().name();
+    const std::string words = words_of_command(command);
+    text += fmt::format("\nMore options: {}{} --help-all, or {} help{} and one of these words:\n", tool, words, tool,
+                        words);
+    text += named;
   }
   if (!command.footer().empty())
     text += "\n" + command.footer().substr(command.footer().find_first_not_of('\n')) + "\n";
@@ -140,8 +192,7 @@ std::string short_help(const CommandLine& command) {
   const std::vector<std::string> examples = examples_of(command);
   if (!examples.empty()) text += "\nFor example:\n";
   for (std::size_t i = 0; i < std::min<std::size_t>(3, examples.size()); ++i) text += "  " + examples[i] + "\n";
-  const std::string words = command.parent() ? command.full_name().substr(command.root().name().size()) : "";
-  return text + "\nMore: " + command.root().name() + " help" + words + "\n";
+  return text + "\nMore: " + command.root().name() + " help" + words_of_command(command) + "\n";
 }
 
 }  // namespace sansmesh::cli

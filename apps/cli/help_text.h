@@ -10,8 +10,11 @@ namespace sansmesh::cli {
 
 /// "sansmesh mesh [OPTIONS] input -o FILE".
 std::string usage_of(const CommandLine& command);
-/// Everything about a command, or about the whole tool.
-std::string help_text(const CommandLine& command);
+/// About a command, or about the whole tool: what people use first, and the names of the other options; or everything.
+std::string help_text(const CommandLine& command, bool all = false);
+/// The options under one heading, "picture" for "Picture", "raw-files" for "Raw files"; empty if the command has no
+/// such heading.
+std::string help_on_group(const CommandLine& command, const std::string& word);
 /// A few lines for somebody who typed a command and nothing else: usage, an example or two, where to read on.
 std::string short_help(const CommandLine& command);
 

@@ -14,6 +14,9 @@
 
 namespace sansmesh::cli {
 
+/// Of what --json prints: grows when a key goes or changes its meaning; new ones leave it.
+inline constexpr int kReportVersion = 1;
+
 /// A value of JSON; objects keep the order of their fields. Written in braces: a list of pairs that begin with a text
 /// is an object, `{{"file", name}, {"samples", n}}`, any other list an array, `{x, y, z}`.
 class Json {

@@ -14,6 +14,7 @@
 #include "flags.h"
 #include "help_text.h"
 #include "interrupt.h"
+#include "json.h"
 #include "parse_line.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
@@ -106,6 +107,32 @@ std::string words_of(const std::exception& error) {
   return std::string("an error in sansmesh itself, please report it (") + error.what() + ")";
 }
 
+/// The line for people and, with --json, the same as data: `kind` is argument, file, data, interrupted or other.
+class Failure {
+ public:
+  Failure(const char* kind, std::string message) : message_(std::move(message)) {
+    error_["kind"] = kind;
+    error_["text"] = message_;
+  }
+  Failure& with(const char* key, const std::string& value) {
+    if (!value.empty()) error_[key] = value;
+    return *this;
+  }
+  int print(bool json, int code) {
+    print_error(message_);
+    if (json) {
+      error_["exit_code"] = code;
+      print_out(Json({{"schema", kReportVersion}, {"error", error_}}).text() + "\n");
+      finish_out();
+    }
+    return code;
+  }
+
+ private:
+  std::string message_;
+  Json error_;
+};
+
 int run_line(int argc, char** argv) {
   CommonArguments common;
   CommandLine line("Surfaces and volumes straight from samples.", "sansmesh");
@@ -118,7 +145,9 @@ int run_line(int argc, char** argv) {
     if (parsed.wish == ParsedLine::Wish::run) {
       run(command_of_line(commands, *chosen), common, kept);
     } else {
-      print_out(parsed.wish == ParsedLine::Wish::help ? help_text(*chosen) : "sansmesh " SANSMESH_VERSION "\n");
+      print_out(parsed.wish == ParsedLine::Wish::version
+                    ? "sansmesh " SANSMESH_VERSION "\n"
+                    : help_text(*chosen, parsed.wish == ParsedLine::Wish::help_all));
       finish_out();
     }
     return 0;
@@ -129,20 +158,24 @@ int run_line(int argc, char** argv) {
     end_by_broken_pipe();
   } catch (const Interrupted& interrupted) {
     end_of_interrupts();
-    print_error(interrupted_words(interrupted.written));
-    return kInterrupted;
+    return Failure("interrupted", interrupted_words(interrupted.written)).print(common.console.json, kInterrupted);
   } catch (const ArgumentError& error) {
     const std::string message = with_typed_values(in_flags(error.what(), *chosen), *chosen);
-    print_error(message + did_you_mean_listed(message) + kept);
-    return kUsage;
+    const ArgumentFault& fault = error.fault();
+    return Failure("argument", message + did_you_mean_listed(message) + kept)
+        .with("field", fault.field)
+        .with("value", fault.value)
+        .with("allowed", fault.allowed)
+        .print(common.console.json, kUsage);
   } catch (const FileError& error) {
-    print_error(with_similar_file(error, *chosen) + kept);
+    return Failure("file", with_similar_file(error, *chosen) + kept)
+        .with("file", error.file())
+        .print(common.console.json, kFailed);
   } catch (const DataError& error) {
-    print_error(in_flags(error.what(), *chosen) + kept);
+    return Failure("data", in_flags(error.what(), *chosen) + kept).print(common.console.json, kFailed);
   } catch (const std::exception& error) {
-    print_error(in_flags(words_of(error), *chosen) + kept);
+    return Failure("other", in_flags(words_of(error), *chosen) + kept).print(common.console.json, kFailed);
   }
-  return kFailed;
 }
 
 }  // namespace

@@ -107,7 +107,8 @@ class LineReader {
   LineReader(CommandLine& root, const std::vector<std::string>& words) : at_(&root), words_(words) {}
 
   ParsedLine read() {
-    if (CommandLine* const asked = help_wanted()) return {ParsedLine::Wish::help, asked};
+    if (CommandLine* const asked = help_wanted({"--help", "-h"})) return {ParsedLine::Wish::help, asked};
+    if (CommandLine* const asked = help_wanted({"--help-all"})) return {ParsedLine::Wish::help_all, asked};
     bool only_words = false;
     for (; next_ < words_.size(); ++next_) {
       const std::string& word = words_[next_];
@@ -161,11 +162,10 @@ class LineReader {
     return nullptr;
   }
 
-  /// The command whose help is asked for by --help or -h, wherever it stands.
-  CommandLine* help_wanted() const {
+  /// The command whose help is asked for by one of these options, wherever it stands.
+  CommandLine* help_wanted(const std::vector<std::string>& options) const {
     const auto end = std::find(words_.begin(), words_.end(), "--");
-    if (std::none_of(words_.begin(), end, [](const std::string& w) { return w == "--help" || w == "-h"; }))
-      return nullptr;
+    if (std::find_first_of(words_.begin(), end, options.begin(), options.end()) == end) return nullptr;
     CommandLine* command = at_;
     for (auto word = words_.begin(); word != end; ++word)
       for (const auto& further : command->commands())
@@ -365,6 +365,17 @@ ParsedLine parse_line(CommandLine& root, const std::vector<std::string>& words) 
   }
   reader.require();
   return parsed;
+}
+
+const CommandLine* find_command(const CommandLine& root, const std::vector<std::string>& words) {
+  const CommandLine* at = &root;
+  for (const std::string& word : words) {
+    const auto found = std::find_if(at->commands().begin(), at->commands().end(),
+                                    [&](const auto& command) { return command->name() == word; });
+    if (found == at->commands().end()) return nullptr;
+    at = found->get();
+  }
+  return at;
 }
 
 const CommandLine& command_of(const CommandLine& root, const std::vector<std::string>& words) {

@@ -18,7 +18,7 @@ struct UsageError : std::runtime_error {
 };
 
 struct ParsedLine {
-  enum class Wish { run, help, version };
+  enum class Wish { run, help, help_all, version };
   Wish wish = Wish::run;
   CommandLine* command = nullptr;  ///< the one to run, or whose help is wanted
 };
@@ -28,6 +28,8 @@ struct ParsedLine {
 ParsedLine parse_line(CommandLine& root, const std::vector<std::string>& words);
 
 /// The command that words name, or as much of it as there is: {"volume", "probe"}. Throws UsageError for words that are
+/// The command of these words, or null.
+const CommandLine* find_command(const CommandLine& root, const std::vector<std::string>& words);
 /// no command.
 const CommandLine& command_of(const CommandLine& root, const std::vector<std::string>& words);
 

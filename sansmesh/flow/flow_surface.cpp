@@ -25,11 +25,12 @@ bool is_nothing_beside(double start, double duration) { return start + duration 
 
 [[noreturn]] void throw_that_moments_meet(double start, double duration) {
   if (is_nothing_beside(start, duration))
-    throw ArgumentError(fmt::format("`time` ({:g}) is nothing beside `start` ({:g})", duration, start));
+    throw ArgumentError(fmt::format("`duration` ({:g}) is nothing beside `start` ({:g})", duration, start));
   throw ArgumentError(
       std::isfinite(duration)
-          ? fmt::format("`time` ({:g}) is so little beside `start` ({:g}) that moments of fronts are the same number",
-                        duration, start)
+          ? fmt::format(
+                "`duration` ({:g}) is so little beside `start` ({:g}) that moments of fronts are the same number",
+                duration, start)
           : fmt::format("`start` ({:g}) is so far from 0 that the moments of a surface from there are the same number",
                         start));
 }
@@ -147,7 +148,7 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
     if (!(left > 0)) throw DataError("the flow is known at no other moment than `start`: only stream surfaces are");
     duration = std::min(duration, left);
     if (is_released(kind) && !std::isfinite(duration))
-      throw ArgumentError("`time` of streak and time surfaces is needed");
+      throw ArgumentError("`duration` of streak and time surfaces is needed");
     if (!is_released(kind)) end_somewhere();
     sheet = is_released(kind) ? released_sheet(field, curve, known, progress)
                               : advance_fronts(field, curve, known, progress);

@@ -394,7 +394,7 @@ const OptionSchema& TraceOptions::schema() {
 
 void TraceOptions::validate() const {
   validate_options(*this);
-  check_argument(duration > 0, "`time` must be positive");
+  check_argument(duration > 0, "`duration` must be positive");
   check_argument(length > 0, "`length` must be positive");
 }
 

@@ -43,7 +43,7 @@ TraceSurfaceResult trace_surface(const FlowModel& flow, const TraceSurfaceOption
     note("moments_meet", "ended where fronts are so near in time that their moments are the same number",
          "a `start` nearer to 0 tells them apart");
   else if (!r.complete)
-    note("too_many", "ended after as many fronts or particles as are allowed", "`time` or `length` gives an end");
+    note("too_many", "ended after as many fronts or particles as are allowed", "`duration` or `length` gives an end");
   if (const std::size_t outside = r.ends[static_cast<std::size_t>(TraceEnd::outside)]; outside > 0)
     note("outside",
          fmt::format("{} of {} began outside of the flow", grouped(outside), counted(r.particles, "particle")));

@@ -13,13 +13,14 @@ namespace sansmesh {
 
 const OptionSchema& NormalsOptions::schema() {
   using O = NormalsOptions;
-  static const OptionRow rows[] = {option_group<&O::estimation>(NormalOptions::schema().rows),
-                                   option<&O::keep>({.text = "Keep the normals of the file and only orient them"}),
-                                   option<&O::orient>({.text = "Leave the signs as they come"}),
-                                   option<&O::orient_by>({.text = "From what normals get their signs",
-                                                          .unit = "choice",
-                                                          .from_data = "the first that is known",
-                                                          .choices = kOrientByWords})};
+  static const OptionRow rows[] = {
+      option_group<&O::estimation>(NormalOptions::schema().rows),
+      option<&O::orient_only>({.text = "Keep the normals of the file and only orient them", .old_name = "keep"}),
+      option<&O::orient>({.text = "Leave the signs as they come"}),
+      option<&O::orient_by>({.text = "From what normals get their signs",
+                             .unit = "choice",
+                             .from_data = "the first that is known",
+                             .choices = kOrientByWords})};
   static const OptionSchema schema{rows};
   return schema;
 }
@@ -33,8 +34,8 @@ void NormalsOptions::validate() const {
 
 NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& progress) {
   options.validate();
-  if (options.keep && !points.has_normals())
-    throw DataError("holds no normals to keep; without `keep` they are estimated");
+  if (options.orient_only && !points.has_normals())
+    throw DataError("holds no normals to keep; without `orient_only` they are estimated");
   if (count_unique(points) < 3) throw DataError("holds fewer than 3 different points: normals need neighbours");
 
   NormalsResult result;
@@ -47,7 +48,7 @@ NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& 
   r.noise = measure_noise(made);
   if (!estimation.spacing) estimation.spacing = r.spacing;
   if (!estimation.noise) estimation.noise = r.noise.deviation;
-  if (!options.keep) {
+  if (!options.orient_only) {
     r.neighbours = estimation.neighbours.value_or(choose_neighbours(*estimation.spacing, *estimation.noise));
     estimate_normals(made, estimation, progress);
   }

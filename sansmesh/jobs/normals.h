@@ -18,7 +18,7 @@ namespace sansmesh {
 
 struct NormalsOptions {
   NormalOptions estimation = {};  ///< its spacing and noise are measured where they are not given
-  bool keep = false;              ///< orient the given normals instead of estimating new ones
+  bool orient_only = false;       ///< orient the given normals instead of estimating new ones
   bool orient = true;             ///< otherwise signs stay as they come
   OrientBy orient_by = OrientBy::automatic;
 

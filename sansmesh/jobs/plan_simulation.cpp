@@ -70,7 +70,7 @@ void take_material(const TetMesh& body, SceneScript& s, std::vector<Note>& notes
 void put_into_scene(const SimulateOptions& o, SceneScript& s) {
   override_by(s.model, o.model);
   override_by(s.integrator, o.integrator);
-  override_by(s.step, o.step), override_by(s.duration, o.time);
+  override_by(s.step, o.longest_step), override_by(s.duration, o.duration);
   override_by(s.frames_per_second, o.fps);
   override_by(s.stiffness, o.stiffness), override_by(s.young, o.young), override_by(s.poisson, o.poisson);
   override_by(s.density, o.density);
@@ -125,7 +125,7 @@ void plan_frames(const SimulateOptions& o, const SceneScript& s, SimulationPlan&
   // Whole frames at the rate that is asked for; where their number is given, both are kept.
   const double frames = o.frames ? *o.frames - 1 : std::floor(time * rate * (1 + 1e-9));
   if (!(frames >= 1))
-    throw ArgumentError(fmt::format("a `time` of {:g} s is shorter than a frame ({:g} a second)", time, rate));
+    throw ArgumentError(fmt::format("a `duration` of {:g} s is shorter than a frame ({:g} a second)", time, rate));
   if (frames > kMostFrames)
     throw ArgumentError(
         fmt::format("{:g} s with {:g} frames a second are more than {:g} frames", time, rate, kMostFrames));
@@ -136,7 +136,8 @@ void plan_frames(const SimulateOptions& o, const SceneScript& s, SimulationPlan&
 void plan_steps(SimulationPlan& plan) {
   const double steps = std::max(1.0, std::ceil(plan.frame_time / plan.options.step - 1e-9));
   if (!(steps * static_cast<double>(plan.frames - 1) <= kMostSteps))
-    throw ArgumentError(fmt::format("a `step` of {:.3g} s makes more than {:g} steps", plan.options.step, kMostSteps));
+    throw ArgumentError(
+        fmt::format("a `longest_step` of {:.3g} s makes more than {:g} steps", plan.options.step, kMostSteps));
   plan.frame_steps = whole_part<std::size_t>(steps);
 }
 
@@ -172,15 +173,17 @@ const OptionSchema& SimulateOptions::schema() {
           {.text = "Density", .unit = "kg/m³", .from_data = "the file's, else 1000", .range = positive()}),
       option<&O::unit>({.text = "Of lengths in the body's file and the scene: mm, cm, dm, m, km, inch, foot or metres",
                         .from_data = "m; where nobody says more, cm or mm of bodies above 20"}),
-      option<&O::time>({.text = "How long it moves", .unit = "seconds", .from_data = "2", .range = positive()}),
+      option<&O::duration>(
+          {.text = "How long it moves", .unit = "seconds", .from_data = "2", .range = positive(), .old_name = "time"}),
       option<&O::fps>({.text = "Frames a second", .unit = "1/s", .from_data = "25", .range = positive()}),
       option<&O::frames>({.text = "So many frames, the body at rest among them", .range = at_least(2)}),
       option<&O::integrator>(
           {.text = "How it goes from step to step", .from_data = "implicit-euler", .choices = kIntegratorWords}),
-      option<&O::step>({.text = "Longest step",
-                        .unit = "seconds",
-                        .from_data = "0.01; of explicit ones half of what is stable",
-                        .range = positive()}),
+      option<&O::longest_step>({.text = "Longest step",
+                                .unit = "seconds",
+                                .from_data = "0.01; of explicit ones half of what is stable",
+                                .range = positive(),
+                                .old_name = "step"}),
       option<&O::z_up>({.text = "Down is where z is small, whatever the scene says"})};
   static constexpr OptionSchema schema{rows};
   return schema;
@@ -188,7 +191,7 @@ const OptionSchema& SimulateOptions::schema() {
 
 void SimulateOptions::validate() const {
   validate_options(*this);
-  if (frames && fps && time) throw ArgumentError("of `frames`, `fps` and `time` only two can be given");
+  if (frames && fps && duration) throw ArgumentError("of `frames`, `fps` and `duration` only two can be given");
 }
 
 SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOptions& options) {
@@ -208,12 +211,12 @@ SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOp
 
   TetMesh metres{body.vertices, body.tets, {}, {}};
   for (Vec3& p : metres.vertices) p *= plan.unit;
-  of_scene(options.frames || options.time || options.fps, [&] { plan_frames(options, scene, plan); });
+  of_scene(options.frames || options.duration || options.fps, [&] { plan_frames(options, scene, plan); });
   of_scene(false, [&] {
     plan.options = suited_options(scene, metres);
     plan.options.validate();
   });
-  of_scene(options.step.has_value(), [&] { plan_steps(plan); });
+  of_scene(options.longest_step.has_value(), [&] { plan_steps(plan); });
   add_floor_below(scene, body, plan.options.gravity);
   plan.scene = std::move(scene.scene);
   plan.rest = std::make_shared<const TetMesh>(std::move(body));

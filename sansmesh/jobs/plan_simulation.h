@@ -26,12 +26,12 @@ struct SimulateOptions {
   std::optional<double> damping = {};    ///< of springs, N s/m; of elasticity, s; >= 0
   std::optional<double> density = {};    ///< kg/m³, > 0
   std::optional<LengthUnit> unit = {};   ///< of lengths in the body's file and the scene
-  std::optional<double> time = {};       ///< s, > 0. Of `time`, `fps` and `frames` two at most
+  std::optional<double> duration = {};   ///< s, > 0. Of `duration`, `fps` and `frames` two at most
   std::optional<double> fps = {};        ///< frames a second, > 0
   std::optional<int> frames = {};        ///< the body at rest among them, >= 2
   std::optional<DynamicsIntegrator> integrator = {};
-  std::optional<double> step = {};  ///< longest step, s, > 0
-  bool z_up = false;                ///< gravity pulls along −z, whatever the scene says
+  std::optional<double> longest_step = {};  ///< s, > 0
+  bool z_up = false;                        ///< gravity pulls along −z, whatever the scene says
 
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the option.

@@ -18,14 +18,15 @@ constexpr int kMostPlanesOfSeries = 100000;
 std::vector<CutPlane> series_of(const SectionOptions& o, const Box3& box) {
   const int axis = static_cast<int>(*o.axis);
   const auto k = static_cast<std::size_t>(axis);
-  if (!o.start && !o.step) return spread_planes(box, axis, o.count.value_or(1));
-  if (o.step && !o.count) {
+  if (!o.first && !o.interval) return spread_planes(box, axis, o.count.value_or(1));
+  if (o.interval && !o.count) {
     // As many as reach to the other end of the box.
-    const double start = o.start.value_or(*o.step > 0 ? box.lower[k] + 0.5 * *o.step : box.upper[k] + 0.5 * *o.step);
-    const double left = ((*o.step > 0 ? box.upper[k] : box.lower[k]) - start) / *o.step;
-    return plane_series(axis, start, *o.step, 1 + index_in<int>(left, 0, 1000000));
+    const double start =
+        o.first.value_or(*o.interval > 0 ? box.lower[k] + 0.5 * *o.interval : box.upper[k] + 0.5 * *o.interval);
+    const double left = ((*o.interval > 0 ? box.upper[k] : box.lower[k]) - start) / *o.interval;
+    return plane_series(axis, start, *o.interval, 1 + index_in<int>(left, 0, 1000000));
   }
-  return plane_series(axis, o.start.value_or(box.lower[k] + 0.5 * o.step.value_or(0)), o.step.value_or(1),
+  return plane_series(axis, o.first.value_or(box.lower[k] + 0.5 * o.interval.value_or(0)), o.interval.value_or(1),
                       o.count.value_or(1));
 }
 
@@ -52,16 +53,18 @@ const OptionSchema& SectionOptions::schema() {
                           .unit = "plane",
                           .name = "plane"}),
       option<&O::axis>({.text = "Planes perpendicular to x, y or z", .unit = "axis", .choices = kSectionAxes}),
-      option<&O::start>({.text = "Position of the first of them",
+      option<&O::first>({.text = "Position of the first of them",
                          .unit = "length",
-                         .from_data = "half a step inside the box",
-                         .needs = "axis"}),
-      option<&O::step>({.text = "Distance from one to the next",
-                        .unit = "length",
-                        .from_data = "spread over the box",
-                        .needs = "axis"}),
+                         .from_data = "half an interval inside the box",
+                         .needs = "axis",
+                         .old_name = "start"}),
+      option<&O::interval>({.text = "Distance from one to the next",
+                            .unit = "length",
+                            .from_data = "spread over the box",
+                            .needs = "axis",
+                            .old_name = "step"}),
       option<&O::count>({.text = "How many",
-                         .from_data = "1, or as many as `step` fits into the box",
+                         .from_data = "1, or as many as `interval` fits into the box",
                          .range = {1, kMostPlanesOfSeries},
                          .needs = "axis"}),
       option<&O::resolution>(
@@ -72,8 +75,9 @@ const OptionSchema& SectionOptions::schema() {
 
 void SectionOptions::validate() const {
   validate_options(*this);
-  if (step && *step == 0) throw ArgumentError("`step` must not be 0");
-  if (start && !step && count.value_or(1) != 1) throw ArgumentError("several planes from `start` on need `step`");
+  if (interval && *interval == 0) throw ArgumentError("`interval` must not be 0");
+  if (first && !interval && count.value_or(1) != 1)
+    throw ArgumentError("several planes from `start` on need `interval`");
 }
 
 SectionResult section(const AnySurface& surface, const SectionOptions& options, Progress& progress) {

@@ -20,9 +20,9 @@ enum class SectionAxis : std::uint8_t { x, y, z };
 struct SectionOptions {
   std::vector<CutPlane> planes = {};
   std::optional<SectionAxis> axis = {};
-  std::optional<double> start = {};  ///< position of the first of the series (length)
-  std::optional<double> step = {};   ///< from one to the next (length, not 0); default: spread over the box
-  std::optional<int> count = {};     ///< 1..100000; default: 1, or as many as steps fit into the box
+  std::optional<double> first = {};     ///< position of the first of the series (length)
+  std::optional<double> interval = {};  ///< from one to the next (length, not 0); default: spread over the box
+  std::optional<int> count = {};        ///< 1..100000; default: 1, or as many as steps fit into the box
   /// Of functions and isosurfaces: lattice squares along the longer side of the box, 2..4096.
   std::optional<int> resolution = {};
 

@@ -45,9 +45,9 @@ Simplified simplify_from(std::size_t first_shape, TriangleMesh mesh, const Trian
                          const SimplifyOptions& asked, CollapseOptions options, Progress& progress) {
   progress.begin("simplify");
   for (std::size_t k = first_shape; k < std::size(kShapes); ++k) {
-    options.least_shape = asked.shape.value_or(kShapes[k]);
+    options.least_shape = asked.triangle_shape.value_or(kShapes[k]);
     if (options.error > 0) simplify_mesh(mesh, options, progress);
-    if (asked.shape || asked.error || mesh.triangles.size() <= options.triangles) break;
+    if (asked.triangle_shape || asked.error || mesh.triangles.size() <= options.triangles) break;
   }
   Simplified made{std::move(mesh), {}, options.least_shape};
   made.distance = measure_distance(made.mesh, original, DistanceOptions{}, progress);
@@ -80,8 +80,8 @@ Note far_off_note(const SimplifyOptions& asked, const Simplified& made) {
                                 length_words(made.farthest()), d.percent(made.farthest()), d.percent(made.rms()),
                                 counted(triangles, "triangle"), triangles == 1 ? "is" : "are"),
             .remedy = {}};
-  if (asked.shape.value_or(0) > 0)
-    note.remedy = "`shape = 0` makes thinner ones, which may come nearer";
+  if (asked.triangle_shape.value_or(0) > 0)
+    note.remedy = "`triangle_shape = 0` makes thinner ones, which may come nearer";
   else if (!asked.error)
     note.remedy = "`error` says how far off they may be";
   return note;
@@ -100,10 +100,11 @@ const OptionSchema& SimplifyOptions::schema() {
       option<&O::error>({.text = "As few triangles as this distance from the original allows (rms, at each vertex)",
                          .unit = "length",
                          .range = positive()}),
-      option<&O::shape>({.text = "Worst shape of the triangles made: 0 any, 0.3 angles of 10°, 0.56 of 20°",
-                         .unit = "share",
-                         .from_data = "0.3; less if it must be",
-                         .range = {0, 0.9}})};
+      option<&O::triangle_shape>({.text = "Worst shape of the triangles made: 0 any, 0.3 angles of 10°, 0.56 of 20°",
+                                  .unit = "share",
+                                  .from_data = "0.3; less if it must be",
+                                  .range = {0, 0.9},
+                                  .old_name = "shape"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -132,7 +133,7 @@ SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progr
         std::max<std::size_t>(4, original.triangles.size())));
   Simplified best = simplify_from(0, mesh, original, options, collapse, progress);
   const double by_shape = best.farthest();
-  for (std::size_t k = 1; k < std::size(kShapes) && best.far_off() && !options.shape && !options.error; ++k) {
+  for (std::size_t k = 1; k < std::size(kShapes) && best.far_off() && !options.triangle_shape && !options.error; ++k) {
     Simplified other = simplify_from(k, mesh, original, options, collapse, progress);
     if (other.farthest() < kWorthIt * best.farthest()) best = std::move(other);
   }

@@ -21,7 +21,7 @@ struct SimplifyOptions {
   std::optional<double> error = {};
   /// Least shape 4√3 A / Σ l² (area A, edges l) of the triangles made, 0..0.9: 0 any, 0.3 angles of 10°, 0.56 of 20°.
   /// Default: 0.3; less where such triangles are too many, or far off and worse ones much nearer.
-  std::optional<double> shape = {};
+  std::optional<double> triangle_shape = {};
 
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.

@@ -47,12 +47,12 @@ void note_steps(const SimulationPlan& plan, double stable, const SimulateReport&
         {.code = "halved",
          .text = fmt::format("the step was halved {} times, down to {:.4g} s: conjugate gradients did not converge",
                              grouped(r.halvings), r.shortest_step),
-         .remedy = "a smaller `step`, or less `stiffness`, is quicker"});
+         .remedy = "a smaller `longest_step`, or less `stiffness`, is quicker"});
   if (static_cast<double>(r.unsettled) > kManyUnsettled * static_cast<double>(r.steps))
     notes.push_back({.code = "unsettled",
                      .text = fmt::format("contacts were still changing at the end of {} of {} steps",
                                          grouped(r.unsettled), grouped(r.steps)),
-                     .remedy = "a smaller `step` lets them settle"});
+                     .remedy = "a smaller `longest_step` lets them settle"});
 }
 
 /// All frames but the first, which is there.

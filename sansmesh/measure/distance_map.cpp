@@ -71,7 +71,7 @@ DistanceStatistics statistics_of(std::vector<Sample> samples, const TriangleMesh
                                  const DistanceMapOptions& options, bool has_sides, double smallest_range) {
   DistanceStatistics s;
   s.histogram.assign(kHistogramBins, 0);
-  if (options.range) s.range = *options.range;
+  if (options.color_range) s.range = *options.color_range;
   if (samples.empty()) {
     s.mean = s.mean_absolute = s.rms = s.deviation = s.p05 = s.median = s.p95 = s.p95_absolute = s.lowest = s.highest =
         std::numeric_limits<double>::quiet_NaN();
@@ -107,7 +107,7 @@ DistanceStatistics statistics_of(std::vector<Sample> samples, const TriangleMesh
   });
   const auto size = [](const Sample& x) { return std::abs(x.distance); };
   s.p95_absolute = percentile(samples, total, 0.95, size);
-  if (!options.range) {
+  if (!options.color_range) {
     const double range = percentile(samples, total, kInRange, size);
     s.smallest_range = range < smallest_range;
     s.range = rounded_up(std::max(range, smallest_range));
@@ -144,10 +144,11 @@ const OptionSchema& DistanceMapOptions::schema() {
   using O = DistanceMapOptions;
   static constexpr OptionRow rows[] = {
       option<&O::tolerance>({.text = "Report the share within ±LENGTH", .unit = "length", .range = at_least(0)}),
-      option<&O::range>({.text = "Distance that gets the full colour",
-                         .unit = "length",
-                         .from_data = "99 % are nearer",
-                         .range = positive()}),
+      option<&O::color_range>({.text = "Distance that gets the full colour",
+                               .unit = "length",
+                               .from_data = "99 % are nearer",
+                               .range = positive(),
+                               .old_name = "range"}),
       option<&O::max_distance>({.text = "Leave out whatever is farther off",
                                 .unit = "length",
                                 .from_data = "a tenth of the diagonal of the reference",

@@ -23,7 +23,7 @@ struct DistanceMapOptions {
   std::optional<double> tolerance = {};  ///< the statistics tell which share keeps within it (>= 0)
   /// Half of the range of the histogram and of the colours (> 0). Default: what 99 % of the area stays within, rounded
   /// up to two digits, but at least kSmallestRange.
-  std::optional<double> range = {};
+  std::optional<double> color_range = {};
   bool skip_border = false;  ///< leave out places whose closest point lies on the border of an open reference
   bool reversed = false;     ///< the map lies on the reference, distances are to the part, with their sign reversed
 

@@ -72,10 +72,12 @@ constexpr OptionRow kRows[] = {
                  "slow and has no picture",
          .choices = kFlows}),
     option<&SurfaceOptions::diffusion>({.text = "How much less samples far off count", .choices = kDiffusions}),
-    option<&SurfaceOptions::threshold>({.text = "Curvature from which `diffusion` acts, over that of the width",
-                                        .from_data = "1",
-                                        .range = positive(),
-                                        .needs = "diffusion"}),
+    option<&SurfaceOptions::diffusion_threshold>(
+        {.text = "Curvature from which `diffusion` acts, over that of the width",
+         .from_data = "1",
+         .range = positive(),
+         .needs = "diffusion",
+         .old_name = "threshold"}),
     option<&SurfaceOptions::tau>(
         {.text = "Exponent of the M-like weights", .unit = "exponent", .from_data = "2", .range = {1, 3}}),
     option<&SurfaceOptions::separate_sheets>(

@@ -31,14 +31,14 @@ struct SurfaceOptions {
   Normal normal = Normal::standard;    ///< of mean planes, or beside the gradient
   Plane plane = Plane::iterated;       ///< under the polynomials
   Polynomial polynomial = Polynomial::quadratic;
-  Flow flow = Flow::fit;                  ///< how points get onto the surface
-  Diffusion diffusion = Diffusion::none;  ///< whether samples off the surface count less
-  std::optional<double> threshold = {};   ///< of diffusion: λ over the inverse of the width, > 0; default 1
-  std::optional<int> tau = {};            ///< exponent of the M-like weights, 1..3; default 2
-  bool separate_sheets = true;            ///< samples that look the other way than those nearby do not count
-  std::optional<double> error = {};       ///< accepted distance of samples from the shape of their cell (length)
-  std::optional<int> depth = {};          ///< deepest level of the octree, 2..14
-  bool smooth = false;                    ///< no edges and corners
+  Flow flow = Flow::fit;                           ///< how points get onto the surface
+  Diffusion diffusion = Diffusion::none;           ///< whether samples off the surface count less
+  std::optional<double> diffusion_threshold = {};  ///< of diffusion: λ over the inverse of the width, > 0; default 1
+  std::optional<int> tau = {};                     ///< exponent of the M-like weights, 1..3; default 2
+  bool separate_sheets = true;                     ///< samples that look the other way than those nearby do not count
+  std::optional<double> error = {};  ///< accepted distance of samples from the shape of their cell (length)
+  std::optional<int> depth = {};     ///< deepest level of the octree, 2..14
+  bool smooth = false;               ///< no edges and corners
 
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field: for values out of range, and for those that mean nothing to the method.

@@ -54,7 +54,7 @@ class CommandLineTool : public ToolTest {
     while (!to_do.empty()) {
       const Words command = to_do.back();
       to_do.pop_back();
-      const std::string help = run(Words{"help"} + command).out;
+      const std::string help = run(Words{"help"} + command + Words{"--all"}).out;
       const Words further = commands_of(help);
       for (const std::string& name : further) to_do.push_back(command + Words{name});
       if (further.empty()) all[command] = help;
@@ -226,6 +226,27 @@ TEST_F(CommandLineTool, SaysWhatMayHaveBeenMeant) {
   expect_line({"info", "scnas/scan.ply"}, "scnas/scan.ply: no such file (did you mean 'scans'?)", 1);
 }
 
+/// With --json what went wrong is data, too.
+TEST_F(CommandLineTool, ErrorsAreDataWhereTheyAreWanted) {
+  write_points(path("scan.ply"), sphere(100));
+  const auto error_of = [&](const Words& line, int code) {
+    const Outcome outcome = run(line + Words{"--json"});
+    EXPECT_EQ(outcome.code, code) << outcome.err;
+    EXPECT_EQ(outcome.lines_of_error(), 1) << outcome.err;
+    const auto json = nlohmann::json::parse(outcome.out);
+    EXPECT_EQ(json["schema"], 1);
+    EXPECT_EQ(json["error"]["exit_code"], code);
+    EXPECT_EQ("sansmesh: " + json["error"]["text"].get<std::string>() + "\n", outcome.err);
+    return json["error"];
+  };
+  const auto missing = error_of({"info", "none.ply"}, 1);
+  EXPECT_EQ(missing["kind"], "file");
+  EXPECT_EQ(missing["file"], "none.ply");
+  const auto wrong = error_of({"reconstruct", "scan.ply", "-o", "x.ply", "--surface", "apss", "--order", "2"}, 2);
+  EXPECT_EQ(wrong["kind"], "argument");
+  EXPECT_EQ(json_of({"info", "scan.ply"})["schema"], 1);
+}
+
 TEST_F(CommandLineTool, HelpIsAskedForInEveryWay) {
   const std::string help = run({"volume", "probe", "--help"}).out;
   EXPECT_NE(help.find("Usage: sansmesh volume probe data... [OPTIONS]\n"), std::string::npos) << help;
@@ -234,6 +255,15 @@ TEST_F(CommandLineTool, HelpIsAskedForInEveryWay) {
   EXPECT_EQ(run({"--help", "volume", "probe"}).out, help);
   EXPECT_EQ(run({"volume", "probe", "x.vti", "--no-such-option", "--help"}).out, help);
   EXPECT_EQ(run({"help"}).out, run({"--help"}).out);
+  const std::string all = run({"volume", "probe", "--help-all"}).out;
+  EXPECT_EQ(run({"help", "volume", "probe", "--all"}).out, all);
+  EXPECT_NE(all.find("\nReconstruction:\n"), std::string::npos) << all;
+  // What is not used first has its name there, and a way to it.
+  EXPECT_EQ(help.find("\nReconstruction:\n"), std::string::npos) << help;
+  EXPECT_NE(help.find("\n  reconstruction"), std::string::npos) << help;
+  const std::string group = run({"help", "volume", "probe", "reconstruction"}).out;
+  EXPECT_TRUE(group.starts_with("Reconstruction:\n")) << group;
+  EXPECT_NE(all.find(group), std::string::npos) << group;
   expect_line({"help", "volume", "prob"},
               "unknown command 'prob' of volume (did you mean probe?) (see sansmesh help volume)");
   expect_line({"help", "mesh", "it"}, "mesh has no commands of its own, not 'it' (see sansmesh help mesh)");
@@ -311,7 +341,7 @@ TEST_F(CommandLineTool, TheJsonOfEveryCommandHasItsWarnings) {
       {{"measure"}, {"mesh.ply"}},
       {{"csg"}, {"sphere(1)", "-o", "x.ply", "--resolution", "16"}},
       {{"deform"}, {"gap.ply", "--handles", "pull.json", "-o", "x.ply"}},
-      {{"simulate"}, {"bar.mesh", "-o", "x.ply", "--frames", "2", "--time", "0.01"}},
+      {{"simulate"}, {"bar.mesh", "-o", "x.ply", "--frames", "2", "--duration", "0.01"}},
       {{"align"}, {"gap.ply", "ball.ply", "--from", "here"}},
       {{"fill"}, {"mesh.ply", "--list"}},
       {{"simplify"}, {"mesh.ply", "-o", "x.ply"}},
@@ -322,9 +352,11 @@ TEST_F(CommandLineTool, TheJsonOfEveryCommandHasItsWarnings) {
       {{"volume", "isosurface"}, {ball, "-o", "x.ply", "--method", "linear"}},
       {{"volume", "render"}, Words{ball, "-o", "x.png", "--method", "linear"} + small},
       {{"volume", "surface"}, Words{ball, "-o", "x.png", "--quick"} + small},
-      {{"flow", "lines"}, {"rotation", "--seeds", "point(0.5,0,0); point(99,99,99)", "--time", "0.1", "-o", "x.ply"}},
-      {{"flow", "surface"}, {"rotation", "--seeds", circle, "--time", "0.1", "-o", "x.ply"}},
-      {{"flow", "render"}, Words{"rotation", "--seeds", circle, "--time", "0.1", "--smooth", "-o", "x.png"} + small}};
+      {{"flow", "lines"},
+       {"rotation", "--seeds", "point(0.5,0,0); point(99,99,99)", "--duration", "0.1", "-o", "x.ply"}},
+      {{"flow", "surface"}, {"rotation", "--seeds", circle, "--duration", "0.1", "-o", "x.ply"}},
+      {{"flow", "render"},
+       Words{"rotation", "--seeds", circle, "--duration", "0.1", "--smooth", "-o", "x.png"} + small}};
   std::size_t warned = 0;
   for (const auto& [command, help] : commands()) {
     const auto found = rest.find(command);

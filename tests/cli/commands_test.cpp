@@ -232,7 +232,7 @@ TEST_F(Commands, NormalsPointOutward) {
   ASSERT_EQ(cloud.normals.size(), 5000u);
   for (std::size_t i = 0; i < cloud.size(); ++i)
     ASSERT_GT(dot(cloud.normals[i], normalized(cloud.positions[i])), 0.99f);
-  EXPECT_EQ(run({"normals", "bare.ply", "-o", "with.ply", "--keep"}).code, 1) << "there are none to keep";
+  EXPECT_EQ(run({"normals", "bare.ply", "-o", "with.ply", "--orient-only"}).code, 1) << "there are none to keep";
 }
 
 TEST_F(Commands, NormalsSayWhereTheirSignsAreUncertain) {

@@ -101,6 +101,7 @@ TEST_F(Completion, OffersWhatHelpLists) {
     std::vector<std::string> asked{"help"}, paged{"manual"};
     asked.insert(asked.end(), command.begin(), command.end());
     paged.insert(paged.end(), command.begin(), command.end());
+    asked.emplace_back("--all");
     std::istringstream help(run(asked).out);
     const std::string page = run(paged).out;
     std::string flags, typed = "sansmesh";

@@ -17,7 +17,7 @@ class Flags : public ToolTest {
  protected:
   /// The flags that a command's help knows.
   std::vector<std::string> known(const std::string& command) const {
-    const std::string help = run({command, "--help"}).out;
+    const std::string help = run({command, "--help-all"}).out;
     const std::regex flag("--[a-z][a-z-]*");
     std::vector<std::string> names;
     for (std::sregex_iterator i(help.begin(), help.end(), flag), end; i != end; ++i) names.push_back(i->str());
@@ -78,7 +78,7 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
                               {section, {"--resolution", "1"}},
                               {compare, {"--tolerance", "-1"}},
                               {compare, {"--max-distance", "0"}},
-                              {compare, {"--range", "0"}},
+                              {compare, {"--color-range", "0"}},
                               {evaluate, {"--samples", "0"}}};
   // Options of surfaces: out of range, and of other methods.
   for (const std::vector<std::string>& typed :

@@ -53,8 +53,8 @@ class FlowLinesTool : public ToolTest {
 
 TEST_F(FlowLinesTool, ParticlesOfAVolumeGoRound) {
   image("turn", [](const Vec3& x) { return Vec3{-x.y, x.x, 0}; });
-  const Outcome outcome = lines(
-      {path("turn.mhd"), "--seeds", "line(0.2,0,0, 0.8,0,0, 4)", "--time", "1.5", "-o", path("turn.csv"), "--json"});
+  const Outcome outcome = lines({path("turn.mhd"), "--seeds", "line(0.2,0,0, 0.8,0,0, 4)", "--duration", "1.5", "-o",
+                                 path("turn.csv"), "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto json = nlohmann::json::parse(outcome.out);
   EXPECT_EQ(json["output"]["lines"], 4);
@@ -99,14 +99,14 @@ TEST_F(FlowLinesTool, FilesAreStepsInTime) {
 }
 
 TEST_F(FlowLinesTool, StreaksAndTimeLinesAreWhatTheySay) {
-  Outcome outcome = lines({"rotation", "--kind", "time", "--seeds", "line(0.5,0,0, 1,0,0, 3)", "--time", "1",
+  Outcome outcome = lines({"rotation", "--kind", "time", "--seeds", "line(0.5,0,0, 1,0,0, 3)", "--duration", "1",
                            "--interval", "0.5", "-o", path("t.csv")});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   auto rows = rows_of(path("t.csv"));
   ASSERT_EQ(rows.size(), 9u);
   for (const std::vector<double>& row : rows) EXPECT_NEAR(std::atan2(row[3], row[2]), 0.5 * row[0], 1e-3);
-  outcome = lines({"rotation", "--kind", "streak", "--seeds", "point(1,0,0)", "--time", "1", "--interval", "0.25", "-o",
-                   path("s.csv")});
+  outcome = lines({"rotation", "--kind", "streak", "--seeds", "point(1,0,0)", "--duration", "1", "--interval", "0.25",
+                   "-o", path("s.csv")});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   rows = rows_of(path("s.csv"));
   ASSERT_EQ(rows.size(), 5u);
@@ -151,7 +151,7 @@ TEST_F(FlowLinesTool, PreviewsShowTheLinesAsTubes) {
   // A layer is looked at straight, so that a circle is as wide as high; the bar lies within the width.
   image("turn", [](const Vec3& x) { return Vec3{-x.y, x.x, 0}; });
   auto json = preview({path("turn.mhd"), "--seeds", "circle(0,0,0, 0,0,1, 0.8, 3); circle(0,0,0, 0,0,1, 0.4, 3)",
-                       "--time", "6", "--width", "400", "--height", "300", "--tube-radius", "0.02"});
+                       "--duration", "6", "--width", "400", "--height", "300", "--tube-radius", "0.02"});
   EXPECT_EQ(json["color_by"], "speed");
   EXPECT_NEAR(json["radius"].get<double>(), 0.02, 1e-12);
   EXPECT_NEAR(json["lower"].get<double>(), 0.4, 0.02);
@@ -171,12 +171,13 @@ TEST_F(FlowLinesTool, PreviewsShowTheLinesAsTubes) {
   EXPECT_LT(drawn, 30000u);
   EXPECT_GT(coloured, 500u);
   // Wider tubes, other colours, streaks.
-  json = preview({path("turn.mhd"), "--seeds", "circle(0,0,0, 0,0,1, 0.8, 3); circle(0,0,0, 0,0,1, 0.4, 3)", "--time",
-                  "6", "--width", "400", "--height", "300", "--tube-radius", "0.06", "--color-by", "vorticity",
-                  "--unit", "1/s"});
+  json = preview({path("turn.mhd"), "--seeds", "circle(0,0,0, 0,0,1, 0.8, 3); circle(0,0,0, 0,0,1, 0.4, 3)",
+                  "--duration", "6", "--width", "400", "--height", "300", "--tube-radius", "0.06", "--color-by",
+                  "vorticity", "--unit", "1/s"});
   EXPECT_EQ(json["color_by"], "vorticity");
   EXPECT_GT(drawn_and_coloured(read_png(path("l.png")), 300).first, 2 * drawn);
-  json = preview({"abc", "--kind", "streak", "--seeds", "box(4)", "--time", "5", "--width", "300", "--height", "200"});
+  json =
+      preview({"abc", "--kind", "streak", "--seeds", "box(4)", "--duration", "5", "--width", "300", "--height", "200"});
   EXPECT_EQ(json["color_by"], "time");
   EXPECT_GT(drawn_and_coloured(read_png(path("l.png")), 200).first, 200u);
 }
@@ -189,7 +190,7 @@ TEST_F(FlowLinesTool, SurfacesAreMeshesOfTheSeedCurve) {
     return run(arguments);
   };
   // A quarter of a ring.
-  Outcome outcome = surface({"rotation", "--seeds", "line(0.5,0,0, 1,0,0, 40)", "--time", "1.5707963"});
+  Outcome outcome = surface({"rotation", "--seeds", "line(0.5,0,0, 1,0,0, 40)", "--duration", "1.5707963"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   auto json = nlohmann::json::parse(outcome.out);
   EXPECT_NEAR(json["area"].get<double>(), 0.25 * 3.14159265 * 0.75, 2e-3);
@@ -198,11 +199,11 @@ TEST_F(FlowLinesTool, SurfacesAreMeshesOfTheSeedCurve) {
   for (const std::string name : {"nx", "s", "time", "speed", "front"})
     EXPECT_NE(text.find(" " + name + "\n"), std::string::npos) << name;
   // A tube, and a cloth.
-  outcome = surface({"helix", "--seeds", "circle(0,0,0, 0,0,1, 0.5, 60)", "--time", "1"});
+  outcome = surface({"helix", "--seeds", "circle(0,0,0, 0,0,1, 0.5, 60)", "--duration", "1"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NEAR(nlohmann::json::parse(outcome.out)["area"].get<double>(), 3.14159265, 0.02);
-  outcome =
-      surface({"helix", "--kind", "time", "--sweep", "0,0,0.5", "--seeds", "line(0.5,0,0, 1,0,0, 20)", "--time", "1"});
+  outcome = surface(
+      {"helix", "--kind", "time", "--sweep", "0,0,0.5", "--seeds", "line(0.5,0,0, 1,0,0, 20)", "--duration", "1"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   EXPECT_NEAR(nlohmann::json::parse(outcome.out)["area"].get<double>(), 0.25, 1e-3);
 
@@ -230,7 +231,7 @@ TEST_F(FlowLinesTool, SeedsThatAreNoneAreTold) {
   write("many.ply", mesh + "3 0 1 2\n");
   const auto told = [&](std::vector<std::string> arguments, const std::string& warning) {
     arguments.insert(arguments.begin(), "flow");
-    arguments.insert(arguments.end(), {"--time", "0.5", "-o", path("o.ply"), "--json"});
+    arguments.insert(arguments.end(), {"--duration", "0.5", "-o", path("o.ply"), "--json"});
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.code, 0) << outcome.err;
     EXPECT_EQ(outcome.err.empty(), warning.empty()) << outcome.err;
@@ -249,15 +250,15 @@ TEST_F(FlowLinesTool, SeedsThatAreNoneAreTold) {
   told({"surface", "rotation", "--seeds", "line(0.5,0,0, 5,0,0, 10)"}, "6 of 10 particles began outside");
 
   const auto surface = [&](const std::string& seeds) {
-    return std::vector<std::string>{"flow", "surface", "rotation", "--seeds", seeds, "--time", "1", "-o", "x.ply"};
+    return std::vector<std::string>{"flow", "surface", "rotation", "--seeds", seeds, "--duration", "1", "-o", "x.ply"};
   };
   const auto some_lines = [&](const std::string& seeds, const std::string& time = "1") {
-    return std::vector<std::string>{"flow", "lines", "rotation", "--seeds", seeds, "--time", time, "-o", "x.ply"};
+    return std::vector<std::string>{"flow", "lines", "rotation", "--seeds", seeds, "--duration", time, "-o", "x.ply"};
   };
   expect_failures({
       {some_lines("points(nan.csv)"), 1, {"nan.csv: holds no finite points"}},
       {some_lines("points(far.csv)"), 1, {"rotation: no seed lies in the flow"}},
-      {some_lines("point(0.5,0,0)", "nan"), 2, {"--time must be finite, not nan"}},
+      {some_lines("point(0.5,0,0)", "nan"), 2, {"--duration must be finite, not nan"}},
       {surface("curve(nan.csv)"), 1, {"nan.csv: holds no finite points"}},
       {surface("curve(far.csv)"), 1, {"rotation: no part of the seed curve lies in the flow"}},
       {surface("curve(equal.csv)"), 1, {"equal.csv: the points of the seed curve coincide"}},

@@ -14,8 +14,8 @@ namespace {
 class FlowRenderTool : public ToolTest {
  protected:
   Outcome render(const std::vector<std::string>& arguments) {
-    std::vector<std::string> all = {"flow",   "render", "rotation", "--seeds", "line(0.2,0,0, 1.8,0,0, 40)",
-                                    "--time", "4",      "--width",  "96",      "--height",
+    std::vector<std::string> all = {"flow",       "render", "rotation", "--seeds", "line(0.2,0,0, 1.8,0,0, 40)",
+                                    "--duration", "4",      "--width",  "96",      "--height",
                                     "72"};
     all.insert(all.end(), arguments.begin(), arguments.end());
     return run(all);
@@ -57,8 +57,8 @@ TEST_F(FlowRenderTool, StandsBesideOtherSurfaces) {
 
 TEST_F(FlowRenderTool, SaysWhatDoesNotGoTogether) {
   const auto failing = [&](const std::vector<std::string>& arguments, int code, const std::string& word) {
-    std::vector<std::string> all = {"flow",   "render", "rotation", "--seeds", "line(0.2,0,0, 1.8,0,0, 40)",
-                                    "--time", "4",      "-o",       "x.png"};
+    std::vector<std::string> all = {"flow",       "render", "rotation", "--seeds", "line(0.2,0,0, 1.8,0,0, 40)",
+                                    "--duration", "4",      "-o",       "x.png"};
     all.insert(all.end(), arguments.begin(), arguments.end());
     return Failing{all, code, {word}};
   };

@@ -373,7 +373,7 @@ TEST_F(FlowSeriesTool, ASampledFlowIsFollowedAsItsFormulaIs) {
     text += fmt::format("<DataSet timestep=\"{}\" file=\"gyre_{}.vti\"/>\n", t, k);
   }
   write("gyre.pvd", text + "</Collection>\n</VTKFile>\n");
-  const std::vector<std::string> rest{"--seeds", "line(0.2,0.3,0, 0.6,0.6,0, 5)", "--time", "10", "--tolerance",
+  const std::vector<std::string> rest{"--seeds", "line(0.2,0.3,0, 0.6,0.6,0, 5)", "--duration", "10", "--tolerance",
                                       "1e-7"};
   const auto ends = [&](std::vector<std::string> data) {
     data.insert(data.end(), rest.begin(), rest.end());

@@ -38,7 +38,7 @@ TEST_F(MeasureCommands, SectionOfAMesh) {
   const Json slices = json_of({"section", "ball.ply", "--axis", "z", "--count", "10", "-o", "slices.svg"});
   EXPECT_EQ(slices["planes"].size(), 10u);
   EXPECT_NE(slurp(path("slices.svg")).find("<g id=\"plane9\""), std::string::npos);
-  const Json steps = json_of({"section", "ball.ply", "--axis", "y", "--step", "0.5"});
+  const Json steps = json_of({"section", "ball.ply", "--axis", "y", "--interval", "0.5"});
   EXPECT_EQ(steps["planes"].size(), 8u);
   const Json cuts = json_of({"section", "ball.ply", "--plane", "z=0.5", "--plane", "3,0,4,5", "-o", "cuts.csv"});
   ASSERT_EQ(cuts["planes"].size(), 2u);
@@ -55,16 +55,16 @@ TEST_F(MeasureCommands, SectionComplaints) {
   write_points(path("cloud.ply"), cloud);
   expect_failure({"section", "ball.ply", "--plane", "w=1"}, 2, "w=1");
   expect_failure({"section", "ball.ply", "--count", "3"}, 2, "--axis");
-  expect_failure({"section", "ball.ply", "--axis", "z", "--step", "0"}, 2, "--step");
+  expect_failure({"section", "ball.ply", "--axis", "z", "--interval", "0"}, 2, "--interval");
   for (const char* bad : {"nan", "inf", "-inf"}) {
-    expect_failure({"section", "ball.ply", "--axis", "z", "--step", bad}, 2, "--step must be finite");
-    expect_failure({"section", "ball.ply", "--axis", "z", "--step", "0.1", "--start", bad}, 2,
+    expect_failure({"section", "ball.ply", "--axis", "z", "--interval", bad}, 2, "--interval must be finite");
+    expect_failure({"section", "ball.ply", "--axis", "z", "--interval", "0.1", "--first", bad}, 2,
                    "--start must be finite");
-    expect_failure({"section", "ball.ply", "--axis", "z", "--start", bad}, 2, "--start must be finite");
+    expect_failure({"section", "ball.ply", "--axis", "z", "--first", bad}, 2, "--first must be finite");
   }
-  expect_failure({"section", "ball.ply", "--axis", "z", "--start", "0", "--count", "3"}, 2, "--step");
-  expect_failure({"section", "ball.ply", "--axis", "z", "--step", "1e-320"}, 2, "planes");
-  EXPECT_EQ(json_of({"section", "ball.ply", "--axis", "z", "--step", "1e308"})["planes"].size(), 1u);
+  expect_failure({"section", "ball.ply", "--axis", "z", "--first", "0", "--count", "3"}, 2, "--interval");
+  expect_failure({"section", "ball.ply", "--axis", "z", "--interval", "1e-320"}, 2, "planes");
+  EXPECT_EQ(json_of({"section", "ball.ply", "--axis", "z", "--interval", "1e308"})["planes"].size(), 1u);
   expect_failure({"section", "ball.ply", "--axis", "q"}, 2, "--axis");
   expect_failure({"section", "ball.ply", "-o", "x.png"}, 1, "x.png");
   expect_failure({"section", "ball.ply", "-o", "none/x.svg"}, 1, "none/x.svg");
@@ -207,14 +207,14 @@ TEST_F(MeasureCommands, CompareComplaints) {
   write("empty.ply", "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n");
   expect_failure({"compare", "ball.ply"}, 2, "reference");
   expect_failure({"compare", "ball.ply", "empty.ply"}, 1, "empty.ply");
-  expect_failure({"compare", "ball.ply", "ball.ply", "--range", "-1"}, 2, "range");
+  expect_failure({"compare", "ball.ply", "ball.ply", "--color-range", "-1"}, 2, "range");
   expect_failure({"compare", "ball.ply", "ball.ply", "--tolerance", "-1"}, 2, "tolerance");
   expect_failure({"compare", "ball.ply", "ball.ply", "--refine", "0"}, 2, "--refine");
   expect_failure({"compare", "ball.ply", "ball.ply", "-o", "map.txt"}, 1, "map.txt");
   expect_failure({"compare", "ball.ply", "ball.ply", "--preview", "map.jpg"}, 1, "map.jpg");
   expect_failure({"compare", "ball.ply", "ball.ply", "--view", "within"}, 2, "within");
   expect_failure({"compare", "ball.ply", "ball.ply", "--preview", "map.png", "--width", "10"}, 2, "--width 10");
-  for (const char* option : {"--max-distance", "--range", "--tolerance", "--refine"}) {
+  for (const char* option : {"--max-distance", "--color-range", "--tolerance", "--refine"}) {
     const Outcome bad = run({"compare", "ball.ply", "ball.ply", option, "nan"});
     EXPECT_EQ(bad.code, 2);
     EXPECT_EQ(bad.err.find("::"), std::string::npos) << bad.err;

@@ -109,7 +109,7 @@ TEST_F(Outputs, OfASeriesTheFramesBeforeTheErrorAreKept) {
   write("tet.mesh", kTet);
   // The third frame cannot be written.
   std::filesystem::create_directory(path("out_0002.vtu"));
-  const Outcome outcome = run({"simulate", "tet.mesh", "-o", "out.vtu", "--time", "0.4", "--fps", "10"});
+  const Outcome outcome = run({"simulate", "tet.mesh", "-o", "out.vtu", "--duration", "0.4", "--fps", "10"});
   EXPECT_EQ(outcome.code, 1);
   EXPECT_NE(outcome.err.find("out_0002.vtu: cannot be written (it is a directory); 3 files before it are kept"),
             std::string::npos)
@@ -126,12 +126,13 @@ TEST_F(Outputs, OfASeriesTheFramesAreKeptWhateverTheError) {
   SANSMESH_NOT_SANITIZED("takes more memory than is left");
   write("tet.mesh", kTet);
   // Meshes come first; there is no room for pictures.
-  const Outcome outcome = outcome_of(start({"simulate", "tet.mesh", "-o", "out.ply", "-o", "out.png", "--time", "0.4",
-                                            "--fps", "10", "--width", "16000", "--height", "16000", "--threads", "1"},
-                                           [] {
-                                             const rlimit memory{rlim_t{2} << 30, rlim_t{2} << 30};
-                                             ::setrlimit(RLIMIT_AS, &memory);
-                                           }));
+  const Outcome outcome =
+      outcome_of(start({"simulate", "tet.mesh", "-o", "out.ply", "-o", "out.png", "--duration", "0.4", "--fps", "10",
+                        "--width", "16000", "--height", "16000", "--threads", "1"},
+                       [] {
+                         const rlimit memory{rlim_t{2} << 30, rlim_t{2} << 30};
+                         ::setrlimit(RLIMIT_AS, &memory);
+                       }));
   EXPECT_EQ(outcome.code, 1);
   EXPECT_EQ(outcome.err, "sansmesh: not enough memory; 5 files before it are kept\n");
   EXPECT_EQ(listing(), (std::vector<std::string>{"ball.ply", "out_0000.ply", "out_0001.ply", "out_0002.ply",

@@ -159,7 +159,7 @@ TEST_F(PictureCommands, EveryCommandWithPicturesHasTheSameViews) {
                                                                                        {"flow", "render"},
                                                                                        {"flow", "lines"},
                                                                                        {"flow", "surface"}}) {
-    const std::string help = run(with(command, {"--help"})).out;
+    const std::string help = run(with(command, {"--help-all"})).out;
     for (const char* option : {"--width", "--view", "--z-up", "--field-of-view", "--orthographic", "--scale-bar",
                                "--look-at", "--zoom", "--look-radius", "--clip-box", "--crop"})
       EXPECT_NE(help.find(option), std::string::npos) << command.back() << " " << option;

@@ -108,12 +108,14 @@ TEST_F(RepairCommands, SimplifyChoosesWhatIsNearer) {
     return std::max(json["to_original"]["max"].get<double>(), json["from_original"]["max"].get<double>());
   };
   const Json chosen = json_of({"simplify", "wedge.ply", "-o", "chosen.ply", "--triangles", "300"});
-  const Json any = json_of({"simplify", "wedge.ply", "-o", "any.ply", "--triangles", "300", "--shape", "0"});
+  const Json any = json_of({"simplify", "wedge.ply", "-o", "any.ply", "--triangles", "300", "--triangle-shape", "0"});
   EXPECT_LE(farthest(chosen), 1.5 * farthest(any));
-  const Json good = json_of({"simplify", "wedge.ply", "-o", "good.ply", "--triangles", "300", "--shape", "0.3"});
+  const Json good =
+      json_of({"simplify", "wedge.ply", "-o", "good.ply", "--triangles", "300", "--triangle-shape", "0.3"});
   for (const Json& warning : good["warnings"]) {
     const auto words = warning.get<std::string>();
-    EXPECT_TRUE(words.find("too few") == std::string::npos || words.find("--shape 0") != std::string::npos) << words;
+    EXPECT_TRUE(words.find("too few") == std::string::npos || words.find("--triangle-shape 0") != std::string::npos)
+        << words;
   }
 }
 

@@ -35,7 +35,7 @@ class SimulateTool : public ToolTest {
 
 TEST_F(SimulateTool, HangsOnItsFixedVertices) {
   const auto json = json_of({"simulate", "bar.mesh", "--fixed", "bar.bou", "--young", "2e5", "-o", "bar.ply", "-o",
-                             "bar.vtu", "--energies", "e.csv", "--time", "0.4", "--fps", "10"});
+                             "bar.vtu", "--energies", "e.csv", "--duration", "0.4", "--fps", "10"});
   EXPECT_EQ(json["scene"]["fixed"], 4);
   EXPECT_EQ(json["scene"]["floors"], 0);
   EXPECT_EQ(json["model"], "corotational");
@@ -66,8 +66,9 @@ TEST_F(SimulateTool, HangsOnItsFixedVertices) {
 TEST_F(SimulateTool, HandlesTurnTheFarEnd) {
   // A surface that lies in the bar moves with it; vertices of scenes are those of the file.
   write("square.obj", "v 4 0 0\nv 4 1 0\nv 4 1 1\nv 4 0 1\nf 1 2 3\nf 1 3 4\n");
-  const Outcome o = run({"simulate", "bar.mesh", "--forces", "turn.json", "--surface", "square.obj", "-o", "s.obj",
-                         "--frames", "3", "--time", "0.4", "--integrator", "velocity-verlet", "--step", "0.002"});
+  const Outcome o =
+      run({"simulate", "bar.mesh", "--forces", "turn.json", "--surface", "square.obj", "-o", "s.obj", "--frames", "3",
+           "--duration", "0.4", "--integrator", "velocity-verlet", "--longest-step", "0.002"});
   ASSERT_EQ(o.code, 0) << o.err;
   const TriangleMesh m = read_mesh(path("s_0002.obj"));
   const Vec3 corner = m.origin + Vec3(m.vertices[1]);
@@ -83,8 +84,8 @@ TEST_F(SimulateTool, DrawsFramesAndAnAnimationOfBodiesAndVolumes) {
   const std::vector<std::vector<std::string>> looks{{}, {"--volume", "v.vti", "--iso", "0.5"}};
   for (const auto& look : looks) {
     if (!look.empty() && !has_vtk_readers()) continue;
-    std::vector<std::string> all{"simulate", "bar.mesh", "-o",  "b.png",   "--animation", "a.png",    "--frames",
-                                 "3",        "--time",   "0.6", "--width", "64",          "--height", "48"};
+    std::vector<std::string> all{"simulate", "bar.mesh",   "-o",  "b.png",   "--animation", "a.png",    "--frames",
+                                 "3",        "--duration", "0.6", "--width", "64",          "--height", "48"};
     all.insert(all.end(), look.begin(), look.end());
     const auto json = json_of(all);
     EXPECT_EQ(json["scene"]["floors"], 1) << "it falls on something";
@@ -104,9 +105,9 @@ TEST_F(SimulateTool, VolumesGoWhereTheirTetrahedraGo) {
   write("pull.json", R"({"gravity": 0, "handles": {"on": {"box": {"lower": [-1, -1, -1], "upper": [9, 9, 9]}},
                          "move": [4, 0, 0], "until": 0.2}})");
   const Outcome o =
-      run({"simulate",  "bar.mesh", "--forces", "pull.json", "--volume",     "v.vti", "--iso",    "0.5:#ff0000:1",
-           "--opacity", "0",        "--view",   "front",     "--background", "white", "-o",       "b.png",
-           "--frames",  "2",        "--time",   "0.2",       "--width",      "160",   "--height", "80"});
+      run({"simulate",  "bar.mesh", "--forces",   "pull.json", "--volume",     "v.vti", "--iso",    "0.5:#ff0000:1",
+           "--opacity", "0",        "--view",     "front",     "--background", "white", "-o",       "b.png",
+           "--frames",  "2",        "--duration", "0.2",       "--width",      "160",   "--height", "80"});
   ASSERT_EQ(o.code, 0) << o.err;
   const auto red_column = [&](const char* file) {
     const PngPicture image = read_png(path(file));
@@ -125,8 +126,8 @@ TEST_F(SimulateTool, VolumesGoWhereTheirTetrahedraGo) {
 
 TEST_F(SimulateTool, FloorsOfScenesStandAcrossTheirUp) {
   write("floor.json", R"({"floor": {"height": -0.5}})");
-  const auto json =
-      json_of({"simulate", "bar.mesh", "--forces", "floor.json", "--z-up", "--time", "1", "-o", "a.ply", "--fps", "5"});
+  const auto json = json_of(
+      {"simulate", "bar.mesh", "--forces", "floor.json", "--z-up", "--duration", "1", "-o", "a.ply", "--fps", "5"});
   EXPECT_GT(json["most_contacts"], 4);
   const TriangleMesh last = read_mesh(path("a_0005.ply"));
   for (const Vec3f& p : last.vertices) EXPECT_GT(last.origin.z + static_cast<double>(p.z), -0.6);
@@ -134,8 +135,8 @@ TEST_F(SimulateTool, FloorsOfScenesStandAcrossTheirUp) {
 
 TEST_F(SimulateTool, WarnsOfBodiesThatBeginWithinObstacles) {
   write("in.json", R"({"spheres": {"center": [0, 0, 0], "radius": 0.5}, "gravity": 0})");
-  const Outcome o =
-      run({"simulate", "bar.mesh", "--forces", "in.json", "--energies", "e.csv", "--frames", "2", "--time", "0.02"});
+  const Outcome o = run(
+      {"simulate", "bar.mesh", "--forces", "in.json", "--energies", "e.csv", "--frames", "2", "--duration", "0.02"});
   EXPECT_EQ(o.code, 0);
   EXPECT_NE(o.err.find("1 vertex begins within an obstacle"), std::string::npos) << o.err;
 }
@@ -146,16 +147,18 @@ TEST_F(SimulateTool, NothingIsWrittenWhereAnInputOfPicturesIsWrong) {
   expect_failures({
       {{"simulate", "bar.mesh", "-o", "a.vtu", "-o", "a.png", "--volume", "none.vti"}, 1, {"none.vti: "}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "-o", "a.png", "--volume", "volume.csv"}, 1, {"volume.csv: "}},
-      {{"simulate", "bar.mesh", "-o", "a.ply", "--animation", "b.png", "--fps", "2000", "--time", "0.01"},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--animation", "b.png", "--fps", "2000", "--duration", "0.01"},
        2,
        {"--fps"}},
-      {{"simulate", "bar.mesh", "-o", "a.ply", "--step", "1e-300"}, 2, {"--step", "more than 1e+08 steps"}},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--longest-step", "1e-300"},
+       2,
+       {"--longest-step", "more than 1e+08 steps"}},
       {{"simulate", "bar.mesh", "-o", "bar.mesh"}, 1, {"no writer for frames"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--unit", "1e300"}, 2, {"--unit"}},
   });
   EXPECT_EQ(listing(), before);
   // Frames have names that nobody typed.
-  ASSERT_EQ(run({"simulate", "bar.mesh", "-o", "a.ply", "--frames", "2", "--time", "0.02"}).code, 0);
+  ASSERT_EQ(run({"simulate", "bar.mesh", "-o", "a.ply", "--frames", "2", "--duration", "0.02"}).code, 0);
   expect_failures({{{"simulate", "bar.mesh", "--surface", "a_0000.ply", "-o", "a.ply", "--frames", "2"},
                     1,
                     {"a_0000.ply: is an input"}}});
@@ -166,7 +169,7 @@ TEST_F(SimulateTool, MaterialsOfTheFileAreTakenAsTheyAre) {
     return "*VERTICES\n4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n*ELEMENTS\nTET\n1 4 0\n1 1 2 3 4\n" + materials;
   };
   write("cork.veg", vega("*MATERIAL cork\nENU, 200, 1e5, 0\n*REGION\nallElements, cork\n"));
-  const auto json = json_of({"simulate", "cork.veg", "--energies", "e.csv", "--frames", "2", "--time", "0.02"});
+  const auto json = json_of({"simulate", "cork.veg", "--energies", "e.csv", "--frames", "2", "--duration", "0.02"});
   EXPECT_EQ(json["poisson"], 0);
   EXPECT_EQ(json["young"], 1e5);
   EXPECT_EQ(json["density"], 200);
@@ -207,14 +210,14 @@ TEST_F(SimulateTool, SaysInALineWhatIsWrong) {
       {{"simulate", "bar.mesh", "-o", "a.ply", "--integrator", "explicit-euler", "--damping", "0"},
        2,
        {"explicit-euler is not stable"}},
-      {{"simulate", "bar.mesh", "-o", "a.ply", "--frames", "3", "--fps", "2", "--time", "1"},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--frames", "3", "--fps", "2", "--duration", "1"},
        2,
        {"only two can be given"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--volume", "v.vti"}, 2, {"--volume needs pictures"}},
-      {{"simulate", "bar.mesh", "-o", "a.ply", "--time", "0.001"}, 2, {"--time", "shorter than a frame"}},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--duration", "0.001"}, 2, {"--duration", "shorter than a frame"}},
       // Explicit and much too long: it explodes.
-      {{"simulate", "bar.mesh", "-o", "a.ply", "--fixed", "bar.bou", "--integrator", "explicit-euler", "--step", "0.04",
-        "--young", "1e8"},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--fixed", "bar.bou", "--integrator", "explicit-euler", "--longest-step",
+        "0.04", "--young", "1e8"},
        1,
        {"bar.mesh: ", "step"}},
   });

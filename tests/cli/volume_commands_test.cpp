@@ -100,7 +100,7 @@ TEST_F(VolumeTool, EveryCommandThatAdviseNamesRuns) {
       // Small pictures and few frames: what is tested is that they are made at all.
       if (words.back().ends_with(".png") && words[0] != "simulate" && words[1] != "lines")
         words.insert(words.end(), {"--width", "64", "--height", "48"});
-      if (words[0] == "simulate") words.insert(words.end(), {"--frames", "2", "--time", "0.1"});
+      if (words[0] == "simulate") words.insert(words.end(), {"--frames", "2", "--duration", "0.1"});
       const Outcome outcome = run(words);
       EXPECT_EQ(outcome.code, 0) << r["command"] << "\n" << outcome.err;
     }

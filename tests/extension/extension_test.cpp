@@ -76,7 +76,7 @@ TEST_F(Extension, ReconstructionOfVolumesIsKnownEverywhere) {
   const nlohmann::json* const choice = option_of(*named(all["commands"], "volume probe"), "--method");
   ASSERT_NE(choice, nullptr);
   EXPECT_EQ((*choice)["choices"].back(), "mean");
-  EXPECT_NE(run({"volume", "probe", "--help"}).out.find("mls-detail, amls, mean"), std::string::npos);
+  EXPECT_NE(run({"volume", "probe", "--help-all"}).out.find("mls-detail, amls, mean"), std::string::npos);
 }
 
 TEST_F(Extension, FormatIsReadAndWritten) {

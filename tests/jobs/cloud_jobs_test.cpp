@@ -36,12 +36,12 @@ TEST(NormalsJob, KeepsWhatItIsToldToKeep) {
   PointSet cloud = sphere(3000);
   for (std::size_t i = 0; i < cloud.size(); i += 2) cloud.normals[i] = Vec3f{} - cloud.normals[i];
   const PointSet given = cloud;
-  const NormalsResult turned = normals(cloud, {.keep = true}, progress);
+  const NormalsResult turned = normals(cloud, {.orient_only = true}, progress);
   EXPECT_FALSE(turned.report.neighbours);
   EXPECT_TRUE(turned.report.check.oriented);
   for (std::size_t i = 0; i < given.size(); ++i)
     EXPECT_NEAR(std::abs(dot(Vec3(turned.points.normals[i]), Vec3(given.normals[i]))), 1, 1e-6);
-  const NormalsResult left = normals(cloud, {.keep = true, .orient = false}, progress);
+  const NormalsResult left = normals(cloud, {.orient_only = true, .orient = false}, progress);
   EXPECT_EQ(left.points.normals, given.normals);
   EXPECT_FALSE(left.report.check.oriented);
   EXPECT_FALSE(left.report.oriented_by);
@@ -52,7 +52,7 @@ TEST(NormalsJob, RefusesWhatCannotBe) {
   PointSet bare = sphere(100), few;
   bare.normals.clear();
   few.positions.assign(50, Vec3f{1, 2, 3});
-  EXPECT_THROW(normals(bare, {.keep = true}, progress), DataError);
+  EXPECT_THROW(normals(bare, {.orient_only = true}, progress), DataError);
   EXPECT_THROW(normals(few, {}, progress), DataError);
   EXPECT_THROW(normals(bare, {.orient_by = OrientBy::scanner}, progress), DataError);
   EXPECT_THROW(normals(bare, {.orient = false, .orient_by = OrientBy::up}, progress), ArgumentError);

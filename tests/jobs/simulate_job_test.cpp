@@ -36,13 +36,13 @@ TEST(SimulationPlan, FramesFollowFromTwoOfTimeRateAndNumber) {
   const SimulationPlan usual = plan_simulation(small_bar(), {}, {});
   EXPECT_EQ(usual.frames, 51u);
   EXPECT_EQ(usual.frame_steps, 4u);
-  const SimulationPlan by_time = plan_simulation(small_bar(), {}, {.time = 0.4, .frames = 5});
+  const SimulationPlan by_time = plan_simulation(small_bar(), {}, {.duration = 0.4, .frames = 5});
   EXPECT_EQ(by_time.frames, 5u);
   EXPECT_NEAR(by_time.frame_time, 0.1, 1e-12);
   const SimulationPlan by_rate = plan_simulation(small_bar(), {}, {.fps = 10, .frames = 5});
   EXPECT_EQ(by_rate.frames, 5u);
   EXPECT_NEAR(by_rate.frame_time, 0.1, 1e-12);
-  EXPECT_THROW(plan_simulation(small_bar(), {}, {.time = 1, .fps = 2, .frames = 3}), ArgumentError);
+  EXPECT_THROW(plan_simulation(small_bar(), {}, {.duration = 1, .fps = 2, .frames = 3}), ArgumentError);
 }
 
 TEST(SimulationPlan, TellsErrorsOfTheSceneFromThoseOfOptions) {
@@ -50,7 +50,7 @@ TEST(SimulationPlan, TellsErrorsOfTheSceneFromThoseOfOptions) {
   blink.duration = 1e-3;
   EXPECT_THROW(plan_simulation(small_bar(), blink, {}), SceneError);
   try {
-    plan_simulation(small_bar(), {}, {.time = 1e-3});
+    plan_simulation(small_bar(), {}, {.duration = 1e-3});
     FAIL();
   } catch (const SceneError&) {
     FAIL() << "the option says it";
@@ -102,7 +102,7 @@ TEST(SimulateJob, KeepsWhatIsAskedForAndSaysWhatIsWrongAtRest) {
   scene.downwards = 0;
   scene.scene.spheres = {{{0, 0, 0}, 0.5, 0}};
   Progress progress;
-  const SimulationPlan plan = plan_simulation(small_bar(), scene, {.time = 0.04, .frames = 3});
+  const SimulationPlan plan = plan_simulation(small_bar(), scene, {.duration = 0.04, .frames = 3});
   const SimulateResult made = simulate(plan, {.positions = true, .velocities = false}, true, progress);
   EXPECT_TRUE(noted(made.notes, "within_obstacle"));
   EXPECT_EQ(made.motion->frames(), 3u);
@@ -119,7 +119,7 @@ TEST(SimulateJob, SurfacesGoWithTheBody) {
   all.keys = {{0, {}, {}}, {0.1, {0, 2, 0}, {}}};
   pull.scene.handles = {all};
   Progress progress;
-  const SimulationPlan plan = plan_simulation(small_bar(), pull, {.time = 0.1, .frames = 2});
+  const SimulationPlan plan = plan_simulation(small_bar(), pull, {.duration = 0.1, .frames = 2});
   const SimulateResult made = simulate(plan, {}, false, progress);
   TriangleMesh inner;
   inner.vertices = {{1, 0.5F, 0.5F}, {2, 0.5F, 0.5F}, {9, 0.5F, 0.5F}};

@@ -89,7 +89,7 @@ TEST(DistanceMap, WeightsAreAreas) {
   TriangleMesh floor;
   floor.vertices = {{-9, -9, 0}, {9, -9, 0}, {9, 9, 0}, {-9, 9, 0}};
   floor.triangles = {{0, 1, 2}, {0, 2, 3}};
-  const DistanceMap map = compare(part, floor, {.max_distance = 10, .range = 3});
+  const DistanceMap map = compare(part, floor, {.max_distance = 10, .color_range = 3});
   const DistanceStatistics& s = map.statistics;
   EXPECT_NEAR(s.mean, 1.5, 1e-6);
   EXPECT_NEAR(s.rms, std::sqrt(2.5), 1e-6);
@@ -191,7 +191,7 @@ TEST(DistanceMap, IdenticalSurfacesAreAtZero) {
   EXPECT_TRUE(map.statistics.smallest_range);
   EXPECT_NEAR(map.statistics.range, kSmallestRange * 2 * std::sqrt(3.0), 1e-7);
   EXPECT_FALSE(compare(test::octasphere(4), test::octasphere(3)).statistics.smallest_range);
-  EXPECT_FALSE(compare(test::octasphere(4), test::octasphere(4), {.range = 1e-9}).statistics.smallest_range);
+  EXPECT_FALSE(compare(test::octasphere(4), test::octasphere(4), {.color_range = 1e-9}).statistics.smallest_range);
   EXPECT_NEAR(map.statistics.histogram[kHistogramBins / 2], 1, 1e-9);
   EXPECT_EQ(distance_color(0, 0), distance_color(0, 1));
 }
@@ -200,7 +200,7 @@ TEST(DistanceMap, ChecksItsOptions) {
   const TriangleMesh sphere = test::octasphere(1);
   EXPECT_THROW(compare(sphere, sphere, {.max_distance = 0}), ArgumentError);
   EXPECT_THROW(compare(sphere, sphere, {.tolerance = -1}), ArgumentError);
-  EXPECT_THROW(compare(sphere, sphere, {.range = NAN}), ArgumentError);
+  EXPECT_THROW(compare(sphere, sphere, {.color_range = NAN}), ArgumentError);
 }
 
 TEST(RefineEdges, ShortEdgesSameSurface) {

@@ -69,7 +69,7 @@ SurfaceOptions with(std::string_view method, std::string_view option) {
                                                              {"polynomial", std::string("3")},
                                                              {"flow", std::string("normal")},
                                                              {"diffusion", std::string("hard")},
-                                                             {"threshold", 2.0},
+                                                             {"diffusion_threshold", 2.0},
                                                              {"tau", std::int64_t{1}},
                                                              {"separate_sheets", false},
                                                              {"error", 0.01},
@@ -81,7 +81,7 @@ SurfaceOptions with(std::string_view method, std::string_view option) {
       if (name == option) return set_option(row, owner, value);
     ADD_FAILURE() << "no value to try " << option << " with";
   });
-  if (option == "threshold") o.diffusion = S::Diffusion::soft;  // which it is the threshold of
+  if (option == "diffusion_threshold") o.diffusion = S::Diffusion::soft;  // which it is the threshold of
   if (option == "normal" && method == "amls") o.normal = S::Normal::iterated;
   return o;
 }
@@ -108,7 +108,7 @@ TEST(SurfaceMethods, OptionsAreTakenByThoseThatUseThemOnly) {
         ADD_FAILURE() << method->name << " takes " << option;
       } catch (const ArgumentError& error) {
         const std::string said = error.what();
-        const std::string_view named = option == "threshold" ? "diffusion" : option;
+        const std::string_view named = option == "diffusion_threshold" ? "diffusion" : option;
         EXPECT_NE(said.find(named), std::string::npos) << said;
         EXPECT_NE(said.find(method->name), std::string::npos) << said;
       }
@@ -128,9 +128,9 @@ TEST(SurfaceMethods, ValuesAreRefusedWhereTheyMeanNothing) {
   };
   refused({.method = "adamson", .normal = S::Normal::iterated}, "normal");
   refused({.method = "amls", .normal = S::Normal::covariance}, "normal");
-  refused({.method = "curvature", .threshold = 1}, "threshold");
+  refused({.method = "curvature", .diffusion_threshold = 1}, "diffusion_threshold");
   refused({.method = "curvature", .tau = 4}, "tau");
-  refused({.method = "curvature", .diffusion = S::Diffusion::hard, .threshold = 0}, "threshold");
+  refused({.method = "curvature", .diffusion = S::Diffusion::hard, .diffusion_threshold = 0}, "diffusion_threshold");
   refused({.method = "amls", .epsilon = 0}, "epsilon");
   refused({.method = "amls", .order = 3}, "order");
   refused({.method = "amls", .order = 8}, "order");

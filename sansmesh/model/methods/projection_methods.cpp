@@ -16,7 +16,7 @@ ProjectionOptions projection_options(const SurfaceOptions& options) {
   o.smoothing = options.smoothing, o.bandwidth = options.bandwidth, o.weights = options.weights;
   o.plane = options.plane, o.polynomial = options.polynomial;
   o.flow = options.flow, o.diffusion = options.diffusion;
-  o.threshold = options.threshold.value_or(o.threshold), o.tau = options.tau.value_or(o.tau);
+  o.threshold = options.diffusion_threshold.value_or(o.threshold), o.tau = options.tau.value_or(o.tau);
   o.separate_sheets = options.separate_sheets;
   return o;
 }
@@ -58,8 +58,8 @@ constexpr std::string_view kOfLeastPlanes[] = {"smoothing",  "bandwidth",       
                                                "polynomial", "separate_sheets", "sharp"};
 constexpr std::string_view kOfPolynomials[] = {"smoothing",  "bandwidth",       "weights",
                                                "polynomial", "separate_sheets", "sharp"};
-constexpr std::string_view kOfCurvatures[] = {"smoothing", "bandwidth", "weights",         "flow", "diffusion",
-                                              "threshold", "tau",       "separate_sheets", "sharp"};
+constexpr std::string_view kOfCurvatures[] = {
+    "smoothing", "bandwidth", "weights", "flow", "diffusion", "diffusion_threshold", "tau", "separate_sheets", "sharp"};
 
 constexpr SurfaceMethod projecting(std::string_view name, std::string_view summary,
                                    std::span<const std::string_view> uses) {
