@@ -38,7 +38,7 @@ sansmesh::PointSet ball() {
 int main() {
   try {
     sansmesh::Progress progress;
-    const auto [mesh, report] = sansmesh::reconstruct(ball(), {}, progress);
+    const auto [mesh, report, notes] = sansmesh::reconstruct(ball(), {}, progress);
     expect(!mesh.triangles.empty() && !report.open, "the ball is not closed");
     for (const sansmesh::Vec3f& v : mesh.vertices) expect(std::abs(sansmesh::norm(v) - 1) < 0.01, "a vertex is off");
     sansmesh::write_mesh("ball.ply", mesh);
