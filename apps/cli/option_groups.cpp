@@ -12,7 +12,6 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/meshing/component_words.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/triangulation/block_tree.h"
 #include "schema_options.h"

@@ -72,7 +72,7 @@ OptionValue value_of_words(const OptionRow& row, const std::vector<std::string>&
 
 /// The value where the option is not given. An enumerator that stands for "none" goes without saying.
 std::string usual_words_of(const OptionRow& row, const OptionValue& now) {
-  const std::string usual = option_words(now);
+  const std::string usual = sansmesh::option_words(now);
   return row.kind == OptionKind::choice && usual == "none" ? "" : usual;
 }
 

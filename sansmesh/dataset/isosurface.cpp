@@ -14,7 +14,6 @@
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/meshing/component_words.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/volume/volume_boundary.h"

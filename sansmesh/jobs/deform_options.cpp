@@ -3,7 +3,6 @@
 #include <span>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/meshing/component_words.h"
 #include "sansmesh/meshing/mesh_csg.h"
 
 namespace sansmesh {

@@ -5,7 +5,6 @@
 #include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/meshing/component_words.h"
 #include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh {
