@@ -24,8 +24,9 @@ void option_of_text(std::string_view word, ComponentChoice& choice) {
   if (word == "auto") return;
   choice.kind = word == "all" ? Kind::all : Kind::count;
   if (word == "all" || word == "largest") return;
-  const char* const end = word.data() + word.size();
-  const auto [read, error] = std::from_chars(word.data(), end, choice.count);
+  const std::string text(word);
+  const char* const end = text.data() + text.size();
+  const auto [read, error] = std::from_chars(text.data(), end, choice.count);
   if (error != std::errc() || read != end || choice.count < 1)
     throw ArgumentError(ArgumentFault{.field = {},
                                       .value = "'" + printable(word, 60) + "'",
