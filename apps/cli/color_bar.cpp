@@ -32,10 +32,6 @@ TransferFunction colors_over(double lower, double upper, Vec3f (*color)(float)) 
 
 }  // namespace
 
-std::string with_unit(const std::string& name, const std::string& unit) {
-  return unit.empty() ? name : name + " [" + unit + "]";
-}
-
 ColorBar curvature_bar(CurvatureQuantity quantity, double range, const std::string& unit, bool beyond) {
   ColorBar bar;
   if (!(range > 0)) range = 1;  // all is flat

@@ -21,8 +21,6 @@ struct ColorBar {
   std::string title;
   BarEnds ends;
 };
-/// "NAME [UNIT]", or the name alone.
-std::string with_unit(const std::string& name, const std::string& unit);
 /// That of curvatures up to `range`, in the input's lengths. `beyond`: there are others.
 ColorBar curvature_bar(CurvatureQuantity quantity, double range, const std::string& unit, bool beyond);
 /// Makes room for a bar in the width of the picture. Throws ArgumentError where there is none.

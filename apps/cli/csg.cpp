@@ -28,11 +28,11 @@ void run_csg(CsgArguments& a, Console& console) {
   a.options.validate();
   a.output.check();
   Progress& progress = console.progress();
-  const SolidInput input = open_solid(a.expression, console);
+  const SolidModel input = open_solid(a.expression, console);
   a.options.components = a.components.value_or(input.usual_components());
   CsgMeshReport report;
   const TriangleMesh mesh = mesh_csg(input.solid, a.options, progress, &report);
-  input.warn_of_open(console);
+  console.note(a.expression, input.open_notes());
   console.warn(a.output.file, report.warnings);
   a.output.write(mesh, progress);
   progress.finish();

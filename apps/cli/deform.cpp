@@ -1,38 +1,67 @@
 // sansmesh deform: anything by handles, or by a map of displacements.
-#include "deform.h"
+#include "sansmesh/jobs/deform.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <utility>
 
+#include "cloud_input.h"
 #include "commands.h"
+#include "option_groups.h"
 #include "sansmesh/core/error.h"
-#include "sansmesh/deform/displacement_map.h"
-#include "sansmesh/field/map_stretch.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/write_volume.h"
+#include "sansmesh/jobs/read_deformation.h"
+#include "sansmesh/measure/section_text.h"
+#include "schema_options.h"
 #include "solid_input.h"
+#include "volume_colors.h"
+#include "volume_input.h"
 
 namespace sansmesh::cli {
 namespace {
 
 enum class DeformedThing { points, solid, volume };
 
-bool is_file(const std::string& name) {
-  std::error_code ignored;
-  return std::filesystem::exists(name, ignored);
-}
+struct DeformArguments {
+  VolumeInput input;  ///< its files are also those of clouds, or an expression
+  DeformationInput deformation;
+  DeformOptions options;
+  DeformationMapOptions map;
+  PictureArguments picture;
+  VolumeColors colors;
+  std::vector<std::string> clips;
+  std::string output, unit, background = "gradient";
+  bool ascii = false, all_arrays = false, no_shading = false, no_bar = false;
+
+  DeformAim aim() const {
+    if (output.ends_with(".png")) return DeformAim::picture;
+    return output.ends_with(".svg") || output.ends_with(".csv") ? DeformAim::sections : DeformAim::shape;
+  }
+  std::string file(int pose) const {
+    return options.frames ? frame_name(output, static_cast<std::size_t>(pose)) : output;
+  }
+};
+
+/// What the command says of all poses in the end.
+struct Deformed {
+  DeformResult result;
+  Json input, output;
+  std::vector<std::string> files, lines;
+};
 
 /// What the input is, by its name alone.
 DeformedThing thing_of(const DeformArguments& a) {
   const std::vector<std::string>& files = a.input.files;
   if (files.size() == 1) {
     const std::string& name = files[0];
-    if (!is_file(name)) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(name, ignored)) {
       if (parse_isosurface_name(name) || name.find_first_of("()|&~+ ") != std::string::npos)
         return DeformedThing::solid;
       throw FileError(name, "does not exist");
@@ -43,93 +72,202 @@ DeformedThing thing_of(const DeformArguments& a) {
   return std::all_of(files.begin(), files.end(), is_volume_name) ? DeformedThing::volume : DeformedThing::points;
 }
 
-void check_deform(const DeformArguments& a) {
-  a.deformation.check();
-  require(a.frames == 0 || a.frames >= 2,
-          "--frames must be at least 2: the first is before the deformation, the last "
-          "after it");
-  require(a.frames == 0 || a.deformation.map.empty(), "--frames needs handles: a map is one deformation");
-  require(!a.draw_handles || a.to_picture(), "--draw-handles is for pictures: -o FILE.png");
-  require(!a.draw_handles || a.deformation.map.empty(), "--draw-handles needs handles");
-  require(!a.draw_folds || a.to_picture(), "--draw-folds is for pictures: -o FILE.png");
-  require(a.planes.empty() || a.to_section(), "--plane is for sections: -o FILE.svg or FILE.csv");
+/// All that can be told before anything is read.
+void check_deform(DeformArguments& a) {
+  VolumePictureOptions& look = a.options.look;
+  static_cast<RenderOptions&>(look) = a.picture.chosen();
+  set_background(look, a.background);
+  a.options.any_view = !a.picture.has_view();
+  a.picture.check_frames(a.options.frames.has_value());
+  a.deformation.validate();
+  a.options.validate(a.aim());
+  require(!a.options.frames || a.deformation.map.empty(), "--frames needs handles: a map is one deformation");
+  require(!a.options.draw_handles || a.deformation.map.empty(), "--draw-handles needs handles");
+  require(!a.options.cut_open || !a.deformation.cuts.empty(), "--cut-open needs --cut");
   require(a.unit.empty() || a.output.ends_with(".svg"), "--unit is for drawings: -o FILE.svg");
-  require(a.map_nodes >= 8 && a.map_nodes <= 512, "--map-nodes must lie in 8..512");
-  if (a.to_picture()) check_writable(a.output, "image");
-  if (a.to_section()) check_writable(a.output, "text");
-  if (a.displacement_map) {
-    require(a.output.ends_with(".vti"), "--displacement-map is written as -o FILE.vti");
-    require(*a.displacement_map >= 2 && *a.displacement_map <= 1024, "--displacement-map must lie in 2..1024");
-    require(a.frames == 0, "--displacement-map is of one deformation: without --frames");
-  }
-  a.mesh.validate();
-  a.picture.chosen().validate();
-  a.picture.check_frames(a.frames > 0);
+  if (a.aim() == DeformAim::picture) check_writable(a.output, "image");
+  if (a.aim() == DeformAim::sections) check_writable(a.output, "text");
+  if (!a.map.nodes) return;
+  require(a.output.ends_with(".vti"), "--displacement-map is written as -o FILE.vti");
+  require(!a.options.frames, "--displacement-map is of one deformation: without --frames");
+  a.map.box = a.options.box;
 }
 
-/// Around the input, before the deformation: points, or what bounds it.
-Box3 input_box(const DeformArguments& a, DeformedThing thing, Console& console) {
-  if (thing == DeformedThing::volume) {
-    OpenVolume volume(a.input, console);
-    return volume.samples()->bounds();
+struct WritePose {
+  const DeformArguments& a;
+  const std::string& file;
+
+  void operator()(const PointSet& points) const { write_points(file, points, {a.ascii}); }
+  void operator()(const TriangleMesh& mesh) const { write_mesh(file, mesh, {a.ascii}); }
+  void operator()(const std::vector<Section>& sections) const {
+    write_text(file, file.ends_with(".svg") ? section_svg(sections, {.unit = a.unit}) : section_csv(sections));
   }
-  if (thing == DeformedThing::solid) return open_solid(a.input.files[0], console).solid.bounds();
+  void operator()(const GridBlock& block) const { write_volume(file, block); }
+  void operator()(const Image& image) const { a.picture.write(file, image, a.options.look); }
+};
+
+UsePose to_files(const DeformArguments& a, Deformed& deformed, Console& console) {
+  return [&](int pose, const DeformedPose& made) {
+    deformed.files.push_back(a.file(pose));
+    console.progress().begin("write");
+    std::visit(WritePose{a, deformed.files.back()}, made);
+  };
+}
+
+Json json_of_folds(const FoldReport& folds, Json json) {
+  json["folded"] = folds.share;
+  if (folds.folds.empty()) return json;
+  Json list = Json::array();
+  for (const Fold& f : folds.folds)
+    list.push_back({{"center", std::vector<double>{f.center.x, f.center.y, f.center.z}}, {"share", f.share}});
+  json["folds"] = list;
+  return json;
+}
+
+PointSet read_cloud(const DeformArguments& a, Json& input, Console& console) {
+  const CloudInput cloud{a.input.files, {}, {}, {}};
   ReadReport read;
-  const PointSet points = CloudInput{a.input.files, {}, {}, {}}.read(console, read);
-  Box3 box;
-  for (const Vec3f& p : points.positions) box.extend(points.origin + Vec3(p));
-  return box;
+  PointSet points = cloud.read(console, read);
+  input = cloud.json(read, points.size());
+  return points;
 }
 
-DeformResult write_displacement_map(const DeformArguments& a, DeformedThing thing, const OpenDeformation& deformation,
-                                    Console& console) {
-  constexpr double kMargin = 0.1;  // of the diagonal
-  const Box3 before = input_box(a, thing, console);
-  require(is_finite(before.lower) && is_finite(before.upper) && !before.empty(),
-          "--displacement-map needs an input that ends somewhere, for its box");
-  const DeformationMaps maps = deformation.at(1);
-  Progress& progress = console.progress();
-  const Box3 box =
-      a.mesh.box.value_or(with_room(box_before(*maps.backward, before, deformation.box_of(maps, before)), kMargin));
-  const std::array<std::size_t, 3> sizes = lattice_sizes(box, static_cast<std::size_t>(*a.displacement_map));
-  const DisplacementMap map = displacement_map(*maps.backward, box, sizes, progress);
-  DeformResult result;
-  FoldWatch folds;
-  folds.look(*maps.backward, box, progress);
-  progress.begin("write");
-  write_volume(a.output, displacement_block(map));
-  result.files = {a.output};
-  result.lines = {
-      fmt::format("{} × {} × {} displacements: sansmesh deform … --map {}", sizes[0], sizes[1], sizes[2], a.output)};
-  result.input = a.input.json();
-  result.output = {{"size", std::vector<std::size_t>(sizes.begin(), sizes.end())}};
-  folds.report(a.input.name(), result, console);
-  return result;
+Deformed deform_cloud(const DeformArguments& a, const Deformation& deformation, Console& console) {
+  Deformed d;
+  const PointSet points = read_cloud(a, d.input, console);
+  const bool mesh = !points.triangles.empty(), cut = !deformation.cuts().empty();
+  if (a.aim() == DeformAim::shape) check_writable(a.output, mesh ? "mesh" : "points");
+  d.result =
+      deform(points, a.input.name(), deformation, a.aim(), a.options, to_files(a, d, console), console.progress());
+  const DeformReport& r = d.result.report;
+  d.lines.push_back(mesh ? fmt::format("{}, {} {}{}", counted(r.triangles, "triangle"), grouped(r.vertices),
+                                       r.vertices == 1 ? "vertex" : "vertices",
+                                       r.mesh.added > 0 ? fmt::format(" ({} added)", grouped(r.mesh.added)) : "")
+                         : counted(r.vertices, "point"));
+  if (mesh && cut)
+    d.lines.push_back(r.cut.edges == 0 ? "no cut reaches it"
+                                       : fmt::format("opened along {}, {} on cut faces", counted(r.cut.edges, "edge"),
+                                                     counted(r.cut.faces, "triangle")));
+  d.output = {{"vertices", r.vertices},
+              {"triangles", r.triangles},
+              {"added", r.mesh.added},
+              {"turned", r.mesh.turned},
+              {"undefined", r.mesh.undefined}};
+  if (cut)
+    d.output["cut"] = {
+        {"edges", r.cut.edges}, {"faces", r.cut.faces}, {"unopened", r.cut.unopened}, {"unclosed", r.cut.unclosed}};
+  return d;
+}
+
+Deformed deform_solid(const DeformArguments& a, const Deformation& deformation, Console& console) {
+  if (a.aim() == DeformAim::shape) check_writable(a.output, "mesh");
+  Deformed d;
+  const SolidModel solid = open_solid(a.input.files[0], console);
+  d.input = {{"expression", a.input.files[0]}, {"files", solid.files}};
+  d.result = deform(solid, deformation, a.aim(), a.options, to_files(a, d, console), console.progress());
+  const DeformReport& r = d.result.report;
+  if (r.mesh_of_open)
+    d.lines = {fmt::format("{}, its surface bounds no solid: its mesh was deformed", counted(r.triangles, "triangle"))};
+  Json list = Json::array();
+  for (const Section& s : r.sections) {
+    d.lines.push_back(fmt::format("{:<20} length {:<11.6g} area {:<11.6g} {}", equation(s.plane), s.length, s.area,
+                                  s.curves.empty() ? "nothing there" : counted(s.curves.size(), "curve")));
+    list.push_back(
+        {{"equation", equation(s.plane)}, {"curves", s.curves.size()}, {"length", s.length}, {"area", s.area}});
+  }
+  if (a.aim() == DeformAim::sections) d.output = {{"sections", list}};
+  if (!r.solid) return d;
+  d.lines = {fmt::format("{}, {} vertices in {}{}", counted(r.triangles, "triangle"), grouped(r.vertices),
+                         counted(r.solid->components, "component"), r.solid->closed ? ", closed" : ", not closed"),
+             fmt::format("area {:.6g}, volume {:.6g}", r.solid->area, r.solid->volume)};
+  d.output = {{"vertices", r.vertices},    {"triangles", r.triangles}, {"components", r.solid->components},
+              {"closed", r.solid->closed}, {"cell", r.solid->cell},    {"area", r.solid->area},
+              {"volume", r.solid->volume}};
+  return d;
+}
+
+Deformed deform_volume(DeformArguments& a, const Deformation& deformation, Console& console) {
+  const bool picture = a.aim() == DeformAim::picture;
+  require(!a.all_arrays || a.input.array.empty(), "give --array or --all-arrays, not both");
+  require(!a.all_arrays || a.output.ends_with(".vti"), "--all-arrays needs a format of several arrays: -o FILE.vti");
+  if (a.aim() == DeformAim::shape) check_volume_writable(a.output);
+  VolumePictureOptions& look = a.options.look;
+  if (picture) {
+    a.colors.put_into(look);
+    for (const std::string& text : a.clips) look.cuts.push_back(volume_cut_of(text));
+    look.shading = !a.no_shading, look.color_bar = !a.no_bar;
+    look.validate();
+  }
+  VolumeModel volume = a.input.open(console);
+  std::vector<Note> notes;
+  const DeformableVolume subject = deformable_volume(volume, a.aim(), a.all_arrays, console.progress(), notes);
+  console.note(volume.name(), notes);
+  Deformed d;
+  d.result = deform(subject, deformation, a.aim(), a.options, to_files(a, d, console), console.progress());
+  console.say(method_line(volume));
+  d.input = json_of_volume(a.input, volume, console.progress());
+  const DeformReport& r = d.result.report;
+  if (picture) {
+    d.output = {{"rays", r.rays}, {"evaluations", r.evaluations}};
+    return d;
+  }
+  d.lines = {
+      fmt::format("{} × {} × {} values, {:.1f} % in the volume", r.size[0], r.size[1], r.size[2], 100 * r.inside)};
+  d.output = {{"size", r.size}, {"inside", r.inside}, {"arrays", subject.arrays}};
+  return d;
+}
+
+Deformed write_displacement_map(const DeformArguments& a, DeformedThing thing, const Deformation& deformation,
+                                Console& console) {
+  Json ignored;
+  const Box3 before = thing == DeformedThing::volume  ? a.input.open(console).samples(console.progress())->bounds()
+                      : thing == DeformedThing::solid ? open_solid(a.input.files[0], console).solid.bounds()
+                                                      : bounds_of(read_cloud(a, ignored, console));
+  DeformationMapResult made = deformation_map(deformation, before, a.input.name(), a.map, console.progress());
+  console.progress().begin("write");
+  write_volume(a.output, displacement_block(made.map));
+  Deformed d;
+  d.files = {a.output};
+  const std::array<std::size_t, 3>& size = made.map.sizes();
+  d.lines = {
+      fmt::format("{} × {} × {} displacements: sansmesh deform … --map {}", size[0], size[1], size[2], a.output)};
+  d.input = a.input.json();
+  d.output = {{"size", size}};
+  d.result.report.folds = std::move(made.folds);
+  d.result.notes = std::move(made.notes);
+  return d;
+}
+
+Json json_of_deformation(const Deformation& deformation) {
+  if (!deformation.has_handles()) return {{"map", deformation.name()}};
+  const MlsDeformationOptions& by = deformation.options();
+  Json json = {{"handles", deformation.handles_at(0).size()},
+               {"file", deformation.name()},
+               {"kind", std::string(kind_word(by.kind))}};
+  if (by.kind == DeformationKind::nonlinear) json["degree"] = by.degree;
+  json["alpha"] = by.alpha;
+  if (!deformation.cuts().empty()) json["cuts"] = deformation.cuts().size(), json["damping"] = by.damping;
+  return json;
 }
 
 void run_deform(DeformArguments& a, Console& console) {
   check_deform(a);
   const DeformedThing thing = thing_of(a);
-  const OpenDeformation deformation(a.deformation, console);
-  deformation.at(1);  // what is wrong with the handles is told before long work
-  DeformResult result;
-  try {
-    result = a.displacement_map               ? write_displacement_map(a, thing, deformation, console)
-             : thing == DeformedThing::solid  ? deform_solid(a, deformation, console)
-             : thing == DeformedThing::volume ? deform_volume(a, deformation, console)
-                                              : deform_points(a, deformation, console);
-  } catch (const DataError& error) {
-    throw FileError(a.input.name(), error.what());
-  }
+  const Deformation deformation = read_deformation(a.deformation, console.progress());
+  const Deformed d = a.map.nodes                      ? write_displacement_map(a, thing, deformation, console)
+                     : thing == DeformedThing::solid  ? deform_solid(a, deformation, console)
+                     : thing == DeformedThing::volume ? deform_volume(a, deformation, console)
+                                                      : deform_cloud(a, deformation, console);
+  console.note(a.input.name(), d.result.notes);
   console.progress().finish();
   console.say(fmt::format("{}: {}", a.input.name(), deformation.words()));
-  for (const std::string& line : result.lines)
-    console.say(fmt::format("{}: {}", result.files.size() == 1 ? result.files[0] : a.output, line));
-  if (result.files.size() > 1)
-    console.say(
-        fmt::format("{} to {}: {}", result.files.front(), result.files.back(), counted(result.files.size(), "pose")));
-  result.output["files"] = result.files;
-  console.say_json({{"input", result.input}, {"deformation", deformation.json()}, {"output", result.output}});
+  for (const std::string& line : d.lines)
+    console.say(fmt::format("{}: {}", d.files.size() == 1 ? d.files[0] : a.output, line));
+  if (d.files.size() > 1)
+    console.say(fmt::format("{} to {}: {}", d.files.front(), d.files.back(), counted(d.files.size(), "pose")));
+  Json output = json_of_folds(d.result.report.folds, d.output);
+  output["files"] = d.files;
+  console.say_json({{"input", d.input}, {"deformation", json_of_deformation(deformation)}, {"output", output}});
   console.print_timings();
 }
 
@@ -149,60 +287,33 @@ Command add_deform(CommandLine& app) {
        "of all a picture (.png)")
       .type_name("FILE")
       .required();
-  add_deformation_options(c, a.deformation);
-  c.add_option("--frames", a.frames,
-               "So many poses from before to after, NAME_000.*, …: handles go straight, those of a group turn")
-      .type_name("COUNT")
-      .group("Deformation");
-  c.add_option("--displacement-map", a.displacement_map,
-               "Writes the map instead (-o MAP.vti), with so many nodes along the longest side")
-      .type_name("COUNT")
-      .group("Deformation");
+  add_schema(c, a.deformation, {.group = "Deformation", .without = {"cut", "cut_damping"}});
+  add_schema(c, a.options, {.group = "Deformation", .only = {"frames"}});
+  add_schema(c, a.map, {.group = "Deformation", .only = {"displacement_map"}});
+  for (const char* const name : {"cut", "cut_damping"}) add_schema(c, a.deformation, {.group = "Cuts", .only = {name}});
+  add_schema(c, a.options, {.group = "Cuts", .only = {"cut_open"}});
 
-  const char* const meshes = "Meshes";
-  c.add_option("--refine", a.bend, "Cuts edges in half first whose middle the deformation moves off by more than this")
-      .type_name("LENGTH")
-      .group(meshes);
-  c.add_flag("--ascii", a.ascii, "Text instead of binary, where the format has both").group(meshes);
+  add_schema(c, a.options, {.group = "Meshes", .only = {"refine"}});
+  c.add_flag("--ascii", a.ascii, "Text instead of binary, where the format has both").group("Meshes");
 
   const char* const functions = "Functions and solids";
-  c.add_option("--resolution", a.mesh.resolution,
-               "Of meshes: cells along the longest side, 4..4096; of sections: squares")
-      .type_name("COUNT")
-      .group(functions);
-  c.add_option("--cell", a.mesh.cell, "Edge of the cells instead").type_name("LENGTH").group(functions);
-  c.add_option("--simplify", a.mesh.simplify, "Fewer triangles where the surface is flat to within this; 0: nowhere")
-      .type_name("LENGTH")
-      .group(functions);
-  c.add_option_function(
-       "--components", [&a](const std::string& text) { a.components = parse_components(text); },
-       "Parts to keep: auto, all, largest or a number [auto with functions, otherwise all]")
-      .type_name("CHOICE")
-      .group(functions);
-  c.add_option("--plane", a.planes, "Of sections: z=0.5, or nx,ny,nz,d; may be repeated [three through the middle]")
-      .type_name("PLANE")
-      .repeated()
-      .group(functions);
+  add_schema(c, a.options, {.group = functions, .only = {"resolution", "cell", "simplify", "components"}});
+  add_schema(c, a.options, {.group = functions, .only = {"plane"}});
   c.add_option("--unit", a.unit, "mm, cm or in: the drawing is true to scale")
       .type_name("UNIT")
       .one_of({"mm", "cm", "in"})
       .group(functions);
-  add_box_option(c, a.mesh.box, "After the deformation: cut off at, or resampled in this box: x0,y0,z0,x1,y1,z1");
+  add_schema(c, a.options, {.only = {"box"}});
 
   add_raw_options(c, a.input.read);
   add_volume_array(c, a.input);
   const char* const volumes = "Volumes";
   c.add_flag("--all-arrays", a.all_arrays, "All arrays of the same samples (.vti)").group(volumes);
-  c.add_option("--size", a.size, "Points along the longest side, or along x, y and z [128]")
-      .type_name("N [N N]")
+  add_schema(c, a.options, {.group = volumes, .only = {"size", "outside", "map_nodes"}});
+  c.add_flag_callback(
+       "--nan", [&a] { a.options.lattice.outside = std::numeric_limits<double>::quiet_NaN(); },
+       "Values outside of the volume are NaN: --outside nan")
       .group(volumes);
-  c.add_flag("--nan", a.nan, "Values outside of the volume are NaN instead of 0").group(volumes);
-  c.add_option("--map-nodes", a.map_nodes,
-               "Of pictures: nodes along the longest side of the map that they are seen through, 8..512 [96]")
-      .type_name("COUNT")
-      .group(volumes);
-  c.add_flag("--exact", a.exact, "Straight through the deformation, and of functions without a mesh: slow")
-      .group("Picture");
   a.colors.add_options(c, volumes);
   c.add_option("--clip", a.clips, "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated")
       .type_name("PLACE")
@@ -211,9 +322,7 @@ Command add_deform(CommandLine& app) {
   c.add_flag("--no-shading", a.no_shading, "Colours as the transfer function has them, without light").group(volumes);
   c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group(volumes);
 
-  c.add_flag("--draw-handles", a.draw_handles, "In pictures: handles as balls, blue before, red after, and their ways")
-      .group("Picture");
-  c.add_flag("--draw-folds", a.draw_folds, "In pictures: in red where space is folded").group("Picture");
+  add_schema(c, a.options, {.group = "Picture", .only = {"exact", "draw_handles", "draw_folds"}});
   add_background_option(c, a.background);
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);

@@ -26,14 +26,9 @@ constexpr FlagOfField kFlags[] = {{"max_depth", "--depth"},
                                   {"range", "--color-range"},
                                   {"classes", "--class"},
                                   {"fill_values", "--fill-value"},
-                                  {"opacity_scale", "--volume-opacity"},
                                   {"opacity_scale", "--opacity"},
-                                  {"preset", "--volume-preset"},
-                                  {"duration", "--time"},
-                                  {"step", "--step-length"},
                                   {"stiffness_damping", "--damping"},
-                                  {"frames_per_second", "--fps"},
-                                  {"seeds", "--particles"}};
+                                  {"frames_per_second", "--fps"}};
 
 /// What the command calls a field; empty if it has no option for it.
 std::string flag_of(std::string_view field, const CommandLine& command) {

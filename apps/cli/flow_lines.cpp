@@ -1,126 +1,88 @@
 // sansmesh flow lines: stream, path, streak and time lines.
+#include "sansmesh/jobs/flow_lines.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "commands.h"
 #include "flow_input.h"
-#include "line_picture.h"
 #include "option_groups.h"
-#include "option_values.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/flow/flow_lines.h"
 #include "sansmesh/io/io.h"
+#include "sansmesh/jobs/line_picture.h"
+#include "schema_options.h"
 
 namespace sansmesh::cli {
 namespace {
 
-constexpr std::size_t kDefaultSeeds = 200;
 constexpr const char* kEnds[] = {"time", "length", "boundary", "critical_point", "steps", "outside"};
 
 struct FlowLinesArguments {
   FlowInput input;
-  FlowLineOptions options;
-  std::optional<double> start;
-  std::string output, direction = "forward", carry = "none";
+  TraceLinesOptions options;
+  LinePictureOptions drawn;
+  PictureArguments picture;
+  std::string output, preview, background;
   bool ascii = false;
-  LinePictureArguments preview;
 };
 
-/// What --carry names, by name.
-std::vector<std::pair<std::string, ArrayChoice>> carried_along(const FlowLinesArguments& a, OpenFlow& flow) {
-  if (a.carry == "none") return {};
-  OpenVolume* const volume = flow.volume();
-  require(volume != nullptr, "--carry needs a steady flow of a file");
-  std::vector<std::string> names;
-  if (a.carry != "all") names = between_commas(a.carry);
-  if (names.empty())
-    for (const DatasetArray& array : volume->dataset().arrays()) names.push_back(array.name);
-  std::vector<std::pair<std::string, ArrayChoice>> arrays;
-  arrays.reserve(names.size());
-  for (const std::string& name : names) arrays.emplace_back(name, volume->dataset().choose(name, "carry"));
-  return arrays;
-}
-
-/// Other arrays of a steady volume at the points.
-void carry(const std::vector<std::pair<std::string, ArrayChoice>>& arrays, OpenVolume* volume, PolylineSet& lines,
-           Progress& progress) {
-  if (arrays.empty()) return;
-  progress.begin("carry arrays", arrays.size());
-  std::vector<Vec3> x;
-  x.reserve(lines.positions.size());
-  for (const Vec3f& p : lines.positions) x.push_back(lines.origin + Vec3(p));
-  for (const auto& [name, choice] : arrays) {
-    const auto field = volume->field(choice);
-    std::vector<double> values(x.size() * field->components());
-    field->evaluate(x, {values, {}, {}, {}});
-    lines.attributes.set(name, std::vector<float>(values.begin(), values.end()), field->components());
-    progress.advance();
+/// All that can be told before anything is read.
+void check_flow_lines(FlowLinesArguments& a) {
+  check_writable(a.output, "lines");
+  a.options.validate();
+  if (a.preview.empty()) {
+    require(options_set(a.drawn).empty() && a.background.empty() && !a.picture.any(),
+            "--color-by, --unit, --tube-radius, --background and the options of the picture need --preview");
+    return;
   }
+  a.drawn.look = a.picture.chosen();
+  a.drawn.any_view = !a.picture.has_view();
+  a.drawn.any_background = a.background.empty();
+  set_background(a.drawn.look, a.background);
+  a.drawn.validate(usual_color(a.options.lines));
+  check_writable(a.preview, "image");
 }
 
 void run_flow_lines(FlowLinesArguments& a, Console& console) {
-  check_writable(a.output, "lines");
-  const std::string usual_color = a.options.kind == FlowLineKind::path ? "speed" : "time";
-  a.preview.check(usual_color);
-  a.options.forward = a.direction != "backward", a.options.backward = a.direction != "forward";
-  OpenFlow flow(a.input, console);
-  const TimeRange times = flow.field().times();
-  const Seeds seeds = flow.seeds(kDefaultSeeds, console);
-  a.options.start =
-      a.start.value_or(std::isfinite(times.first) ? (a.direction == "backward" ? times.last : times.first) : 0);
-  a.options.closed = seeds.closed;
-  const auto arrays = carried_along(a, flow);
-  std::vector<std::string> names = {"time", "speed", "velocity", "vorticity"};
-  for (const auto& array : arrays) names.push_back(array.first);
-  a.preview.check_color(names);
-  Json json = {{"input", flow.json()}};
-  try {
-    FlowLineReport report;
-    PolylineSet lines = flow_lines(flow.field(), seeds.points, a.options, console.progress(), &report);
-    carry(arrays, flow.volume(), lines, console.progress());
-    std::optional<LinePicture> picture;
-    if (!a.preview.file.empty()) picture = draw_lines(lines, a.preview, usual_color, console.progress());
-    console.progress().begin("write");
-    write_lines(a.output, lines, {a.ascii});
-    if (picture) a.preview.picture.write(a.preview.file, picture->image, picture->look);
-    console.progress().finish();
-    flow.warn_of_steps(console);
-    if (report.outside > 0)
-      console.warn(a.input.volume.name(), {fmt::format("{} of {} outside of the flow", grouped(report.outside),
-                                                       counted(report.seeds, "seed"))});
-    console.say(
-        fmt::format("{}: {} from {}", flow.name(), counted(lines.size(), "line"), counted(report.seeds, "seed")));
-    Json ends;
-    std::string said;
-    for (std::size_t k = 0; k < report.ends.size(); ++k) {
-      if (report.ends[k] == 0) continue;
-      ends[kEnds[k]] = report.ends[k];
-      std::string word = kEnds[k];
-      std::replace(word.begin(), word.end(), '_', ' ');
-      said += fmt::format("{}{} {}", said.empty() ? "" : ", ", word, grouped(report.ends[k]));
-    }
-    if (!said.empty()) console.say("ended by " + said);
-    console.say(fmt::format("{}: {}, the longest line {}", a.output, counted(lines.positions.size(), "point"),
-                            length(report.longest)));
-    if (picture)
-      console.say(fmt::format("{}: colours by {} over {:.6g} to {:.6g}, tubes of radius {}", a.preview.file,
-                              picture->color_by, picture->lower, picture->upper, length(picture->radius)));
-    json["seeds"] = {{"count", report.seeds}, {"outside", report.outside}};
-    json["ends"] = ends;
-    json["output"] = {
-        {"file", a.output}, {"lines", lines.size()}, {"points", lines.positions.size()}, {"longest", report.longest}};
-    if (picture)
-      json["preview"] = {{"file", a.preview.file},  {"color_by", picture->color_by}, {"lower", picture->lower},
-                         {"upper", picture->upper}, {"radius", picture->radius},     {"triangles", picture->triangles}};
-  } catch (const DataError& error) {
-    throw flow.error(error);
+  check_flow_lines(a);
+  Progress& progress = console.progress();
+  const FlowModel flow = a.input.open(console);
+  a.drawn.check_color(arrays_along_lines(flow, a.options));
+  Json json = {{"input", a.input.json(flow, progress)}};
+  const TraceLinesResult made = trace_lines_of(flow, a.options, progress);
+  const FlowLineReport& r = made.report;
+  std::optional<LinePicture> picture;
+  if (!a.preview.empty()) picture = line_picture(made.lines, a.drawn, usual_color(a.options.lines), progress);
+  progress.begin("write");
+  write_lines(a.output, made.lines, {a.ascii});
+  if (picture) a.picture.write(a.preview, picture->image, picture->look);
+  progress.finish();
+  console.note(flow.source(), made.notes);
+  console.say(fmt::format("{}: {} from {}", flow.name(), counted(made.lines.size(), "line"), counted(r.seeds, "seed")));
+  Json ends;
+  std::string said;
+  for (std::size_t k = 0; k < r.ends.size(); ++k) {
+    if (r.ends[k] == 0) continue;
+    ends[kEnds[k]] = r.ends[k];
+    std::string word = kEnds[k];
+    std::replace(word.begin(), word.end(), '_', ' ');
+    said += fmt::format("{}{} {}", said.empty() ? "" : ", ", word, grouped(r.ends[k]));
   }
+  if (!said.empty()) console.say("ended by " + said);
+  const std::size_t points = made.lines.positions.size();
+  console.say(fmt::format("{}: {}, the longest line {}", a.output, counted(points, "point"), length(r.longest)));
+  if (picture)
+    console.say(fmt::format("{}: colours by {} over {:.6g} to {:.6g}, tubes of radius {}", a.preview, picture->color_by,
+                            picture->lower, picture->upper, length(picture->radius)));
+  json["seeds"] = {{"count", r.seeds}, {"outside", r.outside}};
+  json["ends"] = ends;
+  json["output"] = {{"file", a.output}, {"lines", made.lines.size()}, {"points", points}, {"longest", r.longest}};
+  if (picture)
+    json["preview"] = {{"file", a.preview},       {"color_by", picture->color_by}, {"lower", picture->lower},
+                       {"upper", picture->upper}, {"radius", picture->radius},     {"triangles", picture->triangles}};
   console.say_json(json);
   console.print_timings();
 }
@@ -135,33 +97,14 @@ Command add_flow_lines(CommandLine& flow) {
   c.add_option("-o,--output", a.output, "Lines to write: .vtp, .ply or .csv (line,time,x,y,z, …)")
       .type_name("FILE")
       .required();
-  c.add_choice<FlowLineKind>(
-       "--kind", a.options.kind,
-       {{"stream", FlowLineKind::path},
-        {"path", FlowLineKind::path},
-        {"streak", FlowLineKind::streak},
-        {"time", FlowLineKind::time}},
-       "stream or path: where particles go; streak: dye from each seed; time: the seeds' curve as it moves [path]")
-      .type_name("NAME");
-  c.add_option("--direction", a.direction, "forward, backward or both [forward]")
-      .one_of({"forward", "backward", "both"})
-      .type_name("NAME");
-  c.add_option("--start", a.start, "Moment at which particles leave [the first of the flow]").type_name("TIME");
-  c.add_option("--time", a.options.duration, "How long they are followed [to the end of the flow]")
-      .type_name("DURATION");
-  c.add_option("--length", a.options.length, "How long lines are at most [five diagonals, without --time]")
-      .type_name("LENGTH");
-  c.add_option("--interval", a.options.interval, "Between particles of a streak, or between time lines")
-      .type_name("DURATION");
-  add_trace_options(c, a.options.trace);
-  c.add_option("--least-speed", a.options.trace.least_speed, "Slower ones have arrived [1e-6 of the seeds' median]")
-      .type_name("SPEED")
-      .group("Steps");
-  c.add_option("--most-steps", a.options.trace.most_steps, "Of a particle [20000]").type_name("COUNT").group("Steps");
-  c.add_option("--carry", a.carry, "Other arrays at the points: names with commas, all or none [none]")
-      .type_name("NAMES");
+  const std::vector<std::string_view> steps = {"integrator", "tolerance", "step_length", "least_speed", "most_steps"};
+  add_schema(c, a.options, {.without = steps});
+  add_schema(c, a.options, {.group = "Steps", .only = steps});
   add_ascii_flag(c, a.ascii);
-  add_line_picture(c, a.preview);
+  add_preview_option(c, a.preview, "the lines as tubes");
+  add_schema(c, a.drawn, {.group = "Picture"});
+  add_background_option(c, a.background, "light gray");
+  add_picture_options(c, a.picture);
   c.footer(std::string(kFlowsByFormula) +
            "Examples:\n"
            "  sansmesh flow lines office.vtk --seeds 'line(0,0,1, 4,4,1, 50)' -o lines.vtp\n"

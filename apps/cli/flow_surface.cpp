@@ -1,4 +1,6 @@
 // sansmesh flow surface: stream, path, streak and time surfaces.
+#include "sansmesh/jobs/flow_surface.h"
+
 #include <fmt/core.h>
 
 #include <memory>
@@ -13,29 +15,29 @@ namespace sansmesh::cli {
 namespace {
 
 struct FlowSurfaceArguments {
-  FlowSurfaceInput input;
+  FlowInput input;
+  TraceSurfaceOptions options;
   MeshOutput mesh;
 };
 
 void run_flow_surface(const FlowSurfaceArguments& a, Console& console) {
   a.mesh.check();
-  check_flow_surface(a.input);
-  OpenFlow flow(a.input.flow, console);
-  const FlowSurface surface = trace_flow_surface(a.input, flow, console);
-  a.mesh.write(surface.mesh, console.progress());
+  a.options.validate();
+  const FlowModel flow = a.input.open(console);
+  const TraceSurfaceResult made = trace_surface(flow, a.options, console.progress());
+  const TriangleMesh& mesh = made.surface.mesh;
+  a.mesh.write(mesh, console.progress());
   console.progress().finish();
-  say_flow_surface(surface, flow, console);
-  const MeshSize size = measure_size(surface.mesh);
-  console.say(fmt::format("{}: {}, {} vertices, area {:.6g}", a.mesh.file,
-                          counted(surface.mesh.triangles.size(), "triangle"), grouped(surface.mesh.vertices.size()),
-                          size.area));
-  console.say_json({{"input", flow.json()},
-                    {"surface", flow_surface_json(surface)},
-                    {"area", size.area},
-                    {"output",
-                     {{"file", a.mesh.file},
-                      {"triangles", surface.mesh.triangles.size()},
-                      {"vertices", surface.mesh.vertices.size()}}}});
+  console.note(flow.source(), made.notes);
+  say_flow_surface(made.surface.report, flow, console);
+  const MeshSize size = measure_size(mesh);
+  console.say(fmt::format("{}: {}, {} vertices, area {:.6g}", a.mesh.file, counted(mesh.triangles.size(), "triangle"),
+                          grouped(mesh.vertices.size()), size.area));
+  console.say_json(
+      {{"input", a.input.json(flow, console.progress())},
+       {"surface", flow_surface_json(made.surface.report)},
+       {"area", size.area},
+       {"output", {{"file", a.mesh.file}, {"triangles", mesh.triangles.size()}, {"vertices", mesh.vertices.size()}}}});
   console.print_timings();
 }
 
@@ -44,7 +46,7 @@ void run_flow_surface(const FlowSurfaceArguments& a, Console& console) {
 Command add_flow_surface(CommandLine& flow) {
   CommandLine& c = flow.add_subcommand("surface", "Flow and a seed curve → stream, path, streak or time surface");
   auto shared = std::make_shared<FlowSurfaceArguments>();
-  add_flow_surface_input(c, shared->input);
+  add_flow_surface_input(c, shared->input, shared->options);
   add_mesh_output(c, shared->mesh);
   c.footer(
       std::string("The mesh has for each vertex s (place on the curve), time, speed and front.\n") + kFlowsByFormula +

@@ -6,9 +6,7 @@
 #include <vector>
 
 #include "console.h"
-#include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/render/picture_surfaces.h"
-#include "sansmesh/render/volume_picture.h"
 
 namespace sansmesh::cli {
 

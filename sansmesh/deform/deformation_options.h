@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
+
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -11,6 +14,9 @@ enum class DeformationKind : std::uint8_t {
   rigid,       ///< turns
   nonlinear,   ///< polynomials of `degree`; bends
 };
+
+/// "affine", "similarity", …
+std::string_view kind_word(DeformationKind kind);
 
 struct MlsDeformationOptions {
   DeformationKind kind = DeformationKind::rigid;
@@ -23,6 +29,7 @@ struct MlsDeformationOptions {
   /// Influence on the far side of a cut falls with distance / (distance + damping · detour); >= 1.
   double damping = 1;
 
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

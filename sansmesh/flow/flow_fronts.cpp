@@ -61,7 +61,7 @@ class Fronts {
   Fronts(const VectorField& field, const SeedCurve& curve, const FlowSurfaceOptions& options)
       : field_(field), curve_(curve), options_(options), trace_(options.trace), start_(*options.start) {
     length_ = curve.length();
-    spacing_ = length_ / static_cast<double>(curve.closed ? options.seeds : options.seeds - 1);
+    spacing_ = length_ / static_cast<double>(curve.closed ? *options.seeds : *options.seeds - 1);
     least_span_ = least_seed_distance(field, options.trace);
     sheet_.report.spacing = spacing_;
     seed();
@@ -70,11 +70,11 @@ class Fronts {
   void run(bool backward, Progress& progress) {
     trace_.backward = backward;
     particles_ = seeds_, members_ = first_, names_.clear(), moments_.clear(), ahead_ = {};
-    for (std::size_t i = 0; i < options_.seeds; ++i) names_.push_back(static_cast<std::uint32_t>(i));
+    for (std::size_t i = 0; i < *options_.seeds; ++i) names_.push_back(static_cast<std::uint32_t>(i));
     const TimeRange times = field_.times();
     const double sign = backward ? -1 : 1;
     const double left_in_field = backward ? start_ - times.first : times.last - start_;
-    const double duration = std::min(options_.duration, left_in_field);
+    const double duration = std::min(*options_.duration, left_in_field);
     const double end = start_ + sign * duration;
     const double most_way = options_.length.value_or(std::numeric_limits<double>::infinity());
     double t = start_, step = 0;
@@ -114,7 +114,7 @@ class Fronts {
   bool full() const { return sheet_.points.size() + next_.size() >= options_.most_points; }
 
   void seed() {
-    const std::size_t n = options_.seeds;
+    const std::size_t n = *options_.seeds;
     std::vector<double> s(n);
     for (std::size_t i = 0; i < n; ++i) s[i] = std::min(spacing_ * static_cast<double>(i), length_);
     particles_ = particles_at(field_, curve_.at(s), std::vector<double>(n, start_));

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
@@ -12,6 +14,19 @@
 
 namespace sansmesh {
 namespace {
+
+constexpr std::string_view kLineKinds[] = {"path", "streak", "time", "stream"};
+constexpr std::string_view kLineDirections[] = {"forward", "backward", "both"};
+
+/// The last of the words is another one for the first.
+struct LineKind {
+  static constexpr auto kind = OptionKind::choice;
+  static OptionValue get(FlowLineKind v) { return static_cast<std::int64_t>(v); }
+  static FlowLineKind from(const OptionValue& v) {
+    const auto index = static_cast<std::size_t>(std::get<std::int64_t>(v));
+    return index + 1 < std::size(kLineKinds) ? static_cast<FlowLineKind>(index) : FlowLineKind::path;
+  }
+};
 
 constexpr double kDiagonals = 5;
 constexpr double kStill = 1e-6;  // least speed, of the median of the seeds
@@ -63,7 +78,12 @@ void join_paths(const Traces& back, Traces& on, Builder& lines) {
 class LineMaker {
  public:
   LineMaker(const VectorField& field, std::span<const Vec3> seeds, const FlowLineOptions& options, Progress& progress)
-      : field_(field), seeds_(seeds), options_(options), trace_(options.trace), progress_(progress) {}
+      : field_(field), seeds_(seeds), options_(options), trace_(options.trace), progress_(progress) {
+    trace_.backward = options.direction == FlowDirection::backward;
+    const TimeRange times = field.times();
+    const double first = trace_.backward ? times.last : times.first;
+    start_ = options.start.value_or(std::isfinite(first) ? first : 0);
+  }
 
   FlowLineReport report;
 
@@ -84,10 +104,10 @@ class LineMaker {
     report.seeds = seeds_.size();
     if (seeds_.empty()) throw DataError("there are no seeds");
     const TimeRange times = field_.times();
-    if (!times.contains(options_.start))
+    if (!times.contains(start_))
       throw ArgumentError("`start` is not in the time of the flow, " + std::to_string(times.first) + " to " +
                           std::to_string(times.last));
-    const Particles p = particles_at(field_, seeds_, std::vector<double>(seeds_.size(), options_.start));
+    const Particles p = particles_at(field_, seeds_, std::vector<double>(seeds_.size(), start_));
     std::vector<double> speeds;
     for (std::size_t i = 0; i < seeds_.size(); ++i) {
       if (p.ends[i])
@@ -108,7 +128,7 @@ class LineMaker {
   double duration() const {
     double d = options_.duration.value_or(options_.length.value_or(five_diagonals_) / usual_speed_);
     const TimeRange times = field_.times();
-    d = std::min(d, options_.backward ? options_.start - times.first : times.last - options_.start);
+    d = std::min(d, trace_.backward ? start_ - times.first : times.last - start_);
     if (!(d > 0)) throw ArgumentError("`start` is the end of the flow's time");
     return d;
   }
@@ -117,10 +137,12 @@ class LineMaker {
     if (options_.duration) trace_.duration = *options_.duration;
     if (options_.length) trace_.length = *options_.length;
     if (!options_.duration && !options_.length) trace_.length = five_diagonals_;
-    const std::vector<double> moments(seeds_.size(), options_.start);
+    const std::vector<double> moments(seeds_.size(), start_);
     Traces back, on;
-    if (options_.backward) trace_.backward = true, back = trace_lines(field_, seeds_, moments, trace_, progress_);
-    if (options_.forward) trace_.backward = false, on = trace_lines(field_, seeds_, moments, trace_, progress_);
+    if (options_.direction != FlowDirection::forward)
+      trace_.backward = true, back = trace_lines(field_, seeds_, moments, trace_, progress_);
+    if (options_.direction != FlowDirection::backward)
+      trace_.backward = false, on = trace_lines(field_, seeds_, moments, trace_, progress_);
     for (const Traces* t : {&back, &on})
       for (const TraceEnd end : t->ends) ++report.ends[static_cast<std::size_t>(end)];
     join_paths(back, on, lines);
@@ -132,14 +154,13 @@ class LineMaker {
     check_argument(many * static_cast<double>(seeds_.size()) < kMostParticles,
                    "`interval` is too short: too many particles");
     const auto n = static_cast<std::size_t>(many);
-    trace_.backward = options_.backward;
-    const double sign = options_.backward ? -1 : 1, end = options_.start + sign * d;
+    const double sign = trace_.backward ? -1 : 1, end = start_ + sign * d;
     std::vector<Vec3> places;
     std::vector<double> moments;
     for (const Vec3& seed : seeds_)
       for (std::size_t k = 0; k < n; ++k) {
         places.push_back(seed);
-        moments.push_back(options_.start + sign * interval * static_cast<double>(k));
+        moments.push_back(start_ + sign * interval * static_cast<double>(k));
       }
     Particles p = particles_at(field_, places, moments);
     std::vector<std::uint32_t> all(places.size());
@@ -165,15 +186,14 @@ class LineMaker {
     const double many = std::floor(d / interval * (1 + 1e-9)) + 1;
     check_argument(many * static_cast<double>(seeds_.size()) < kMostParticles,
                    "`interval` is too short: too many lines");
-    trace_.backward = options_.backward;
-    const double sign = options_.backward ? -1 : 1;
-    Particles p = particles_at(field_, seeds_, std::vector<double>(seeds_.size(), options_.start));
+    const double sign = trace_.backward ? -1 : 1;
+    Particles p = particles_at(field_, seeds_, std::vector<double>(seeds_.size(), start_));
     std::vector<std::uint32_t> all(seeds_.size());
     std::iota(all.begin(), all.end(), 0u);
     const auto steps = static_cast<std::size_t>(many);
     progress_.begin("trace", steps);
     for (std::size_t m = 0; m < steps; ++m) {
-      const double t = options_.start + sign * std::min(interval * static_cast<double>(m), d);
+      const double t = start_ + sign * std::min(interval * static_cast<double>(m), d);
       if (m > 0) move_particles(field_, p, all, t, trace_);
       const bool whole = std::none_of(p.ends.begin(), p.ends.end(), [](const auto& e) { return e.has_value(); });
       for (std::size_t i = 0; i < seeds_.size(); ++i) {
@@ -194,21 +214,44 @@ class LineMaker {
   const FlowLineOptions& options_;
   TraceOptions trace_;
   Progress& progress_;
-  double five_diagonals_ = 0, usual_speed_ = 0;
+  double start_ = 0, five_diagonals_ = 0, usual_speed_ = 0;
 };
 
 }  // namespace
 
+const OptionSchema& FlowLineOptions::schema() {
+  using O = FlowLineOptions;
+  static const OptionRow rows[] = {
+      option<&O::kind, LineKind>({.text = "stream or path: where particles go; streak: dye from each seed; time: the "
+                                          "seeds' curve as it moves",
+                                  .choices = kLineKinds}),
+      option<&O::direction>({.text = "forward, backward or both", .choices = kLineDirections}),
+      option<&O::start>(
+          {.text = "Moment at which particles leave", .unit = "time", .from_data = "the first of the flow"}),
+      option<&O::duration>({.text = "How long they are followed",
+                            .unit = "duration",
+                            .from_data = "to the end of the flow",
+                            .range = positive(),
+                            .name = "time"}),
+      option<&O::length>({.text = "How long lines are at most",
+                          .unit = "length",
+                          .from_data = "five diagonals, without `time`",
+                          .range = positive()}),
+      option<&O::interval>({.text = "Between particles of a streak, or between time lines",
+                            .unit = "duration",
+                            .from_data = "a hundredth, a tenth of the time",
+                            .range = positive()}),
+      option_group<&O::trace>(TraceOptions::schema().rows)};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
 void FlowLineOptions::validate() const {
-  check_argument(forward || backward, "`forward` or `backward` is needed");
-  check_argument(kind == FlowLineKind::path || forward != backward, "`backward`: streak and time lines go one way");
-  check_argument(std::isfinite(start), "`start` must be finite");
-  check_argument(!duration || *duration > 0, "`duration` must be positive");
-  check_argument(!length || (*length > 0 && kind == FlowLineKind::path),
-                 "`length` must be positive, and is for path lines");
-  check_argument(!interval || (*interval > 0 && kind != FlowLineKind::path),
-                 "`interval` must be positive, and is for streak and time lines");
-  trace.validate();
+  validate_options(*this);
+  check_argument(kind == FlowLineKind::path || direction != FlowDirection::both,
+                 "`direction = both` is for path lines: streak and time lines go one way");
+  check_argument(!length || kind == FlowLineKind::path, "`length` is for path lines");
+  check_argument(!interval || kind != FlowLineKind::path, "`interval` is for streak and time lines");
 }
 
 PolylineSet flow_lines(const VectorField& field, std::span<const Vec3> seeds, const FlowLineOptions& options,

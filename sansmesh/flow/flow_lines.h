@@ -14,6 +14,7 @@
 #include "sansmesh/data/polyline_set.h"
 #include "sansmesh/field/vector_field.h"
 #include "sansmesh/flow/trace.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -25,8 +26,9 @@ enum class FlowLineKind : std::uint8_t {
 
 struct FlowLineOptions {
   FlowLineKind kind = FlowLineKind::path;
-  bool forward = true, backward = false;  ///< path: either or both; the others: one of them
-  double start = 0;                       ///< moment at which particles leave (time)
+  FlowDirection direction = FlowDirection::forward;  ///< `both` is for path lines
+  /// Moment at which particles leave. Default: the field's first (backward: last) one, 0 where it has none.
+  std::optional<double> start;
   /// Of path lines and streaks until the end of the field, of others to be given: time, > 0. Default where neither this
   /// nor `length` is given: as long as lines of five diagonals of the field's bounds take.
   std::optional<double> duration;
@@ -35,6 +37,9 @@ struct FlowLineOptions {
                                    ///< of the duration, of time lines a tenth
   bool closed = false;             ///< time lines: the seeds are a closed curve
   TraceOptions trace;              ///< but its direction, duration and length
+
+  /// Without `closed`, which the seeds say.
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -16,18 +18,18 @@
 namespace sansmesh {
 namespace {
 
+constexpr std::size_t kUsualSeeds = 256;
 constexpr double kMostDiagonals = 5;  // where nothing else ends a surface
 
 bool is_nothing_beside(double start, double duration) { return start + duration == start || start - duration == start; }
 
 [[noreturn]] void throw_that_moments_meet(double start, double duration) {
   if (is_nothing_beside(start, duration))
-    throw ArgumentError(fmt::format("`duration` ({:g}) is nothing beside `start` ({:g})", duration, start));
+    throw ArgumentError(fmt::format("`time` ({:g}) is nothing beside `start` ({:g})", duration, start));
   throw ArgumentError(
       std::isfinite(duration)
-          ? fmt::format(
-                "`duration` ({:g}) is so little beside `start` ({:g}) that moments of fronts are the same number",
-                duration, start)
+          ? fmt::format("`time` ({:g}) is so little beside `start` ({:g}) that moments of fronts are the same number",
+                        duration, start)
           : fmt::format("`start` ({:g}) is so far from 0 that the moments of a surface from there are the same number",
                         start));
 }
@@ -114,22 +116,26 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
                          Progress& progress) {
   options.validate();
   curve.validate();
-  if (curve.closed && options.seeds < 3) throw ArgumentError("`seeds` on a closed curve must be at least 3");
+  FlowSurfaceOptions known = options;
+  known.seeds = options.seeds.value_or(kUsualSeeds);
+  if (curve.closed && *known.seeds < 3) throw ArgumentError("`particles` on a closed curve must be at least 3");
+  const FlowSurfaceKind kind = options.kind.value_or(FlowSurfaceKind::stream);
+  known.kind = kind;
+  double& duration = known.duration.emplace(options.duration.value_or(std::numeric_limits<double>::infinity()));
   const bool backward = options.direction == FlowDirection::backward;
   const TimeRange times = field.times();
-  FlowSurfaceOptions known = options;
   if (!known.start) {
     const double first = backward ? times.last : times.first;
     known.start = std::isfinite(first) ? first : 0;
   }
   if (!times.contains(*known.start)) throw ArgumentError("`start` must lie in the times of the flow");
-  if (is_nothing_beside(*known.start, known.duration)) throw_that_moments_meet(*known.start, known.duration);
+  if (is_nothing_beside(*known.start, duration)) throw_that_moments_meet(*known.start, duration);
   FlowSurface surface;
   FlowSheet sheet;
   const auto end_somewhere = [&] {
-    if (!known.length && !std::isfinite(known.duration)) known.length = kMostDiagonals * field.bounds().diagonal();
+    if (!known.length && !std::isfinite(duration)) known.length = kMostDiagonals * field.bounds().diagonal();
   };
-  if (options.kind == FlowSurfaceKind::stream) {
+  if (kind == FlowSurfaceKind::stream) {
     end_somewhere();
     const FlowAtOneMoment steady(field, *known.start);
     sheet = advance_fronts(steady, curve, known, progress);
@@ -139,22 +145,22 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
                         : backward                               ? earlier
                                                                  : later;
     if (!(left > 0)) throw DataError("the flow is known at no other moment than `start`: only stream surfaces are");
-    known.duration = std::min(known.duration, left);
-    if (is_released(options.kind) && !std::isfinite(known.duration))
-      throw ArgumentError("`duration` of streak and time surfaces is needed");
-    if (!is_released(options.kind)) end_somewhere();
-    sheet = is_released(options.kind) ? released_sheet(field, curve, known, progress)
-                                      : advance_fronts(field, curve, known, progress);
+    duration = std::min(duration, left);
+    if (is_released(kind) && !std::isfinite(duration))
+      throw ArgumentError("`time` of streak and time surfaces is needed");
+    if (!is_released(kind)) end_somewhere();
+    sheet = is_released(kind) ? released_sheet(field, curve, known, progress)
+                              : advance_fronts(field, curve, known, progress);
   }
-  if (sheet.report.moments_meet && (sheet.triangles.empty() || is_released(options.kind)))
-    throw_that_moments_meet(*known.start, known.duration);
+  if (sheet.report.moments_meet && (sheet.triangles.empty() || is_released(kind)))
+    throw_that_moments_meet(*known.start, duration);
   if (sheet.triangles.empty()) throw DataError("there is no surface: particles end or part before they go on together");
   tidy_sheet(sheet);
   surface.report = sheet.report;
   surface.mesh = mesh_of(sheet);
   surface.points = std::move(sheet.points);
   // Only sheets that were cut, and fronts that tear differently in both directions, have such vertices.
-  if (is_released(options.kind) || options.direction == FlowDirection::both) separate_fans_of(surface);
+  if (is_released(kind) || options.direction == FlowDirection::both) separate_fans_of(surface);
   return surface;
 }
 

@@ -1,29 +1,77 @@
 #include "sansmesh/flow/flow_surface_options.h"
 
-#include <cmath>
+#include <string_view>
 
 #include "sansmesh/core/check_range.h"
 
 namespace sansmesh {
+namespace {
+
+constexpr std::string_view kSurfaceKinds[] = {"stream", "path", "streak", "time"};
+constexpr std::string_view kDirections[] = {"forward", "backward", "both"};
+
+/// Whether new particles are half-way between others.
+struct InterpolatedFlag {
+  static constexpr auto kind = OptionKind::flag;
+  static OptionValue get(FlowInsertion v) { return v == FlowInsertion::interpolated; }
+  static FlowInsertion from(const OptionValue& v) {
+    return std::get<bool>(v) ? FlowInsertion::interpolated : FlowInsertion::traced;
+  }
+};
+
+}  // namespace
+
+const OptionSchema& FlowSurfaceOptions::schema() {
+  using O = FlowSurfaceOptions;
+  static const OptionRow rows[] = {
+      option<&O::kind>({.text = "stream, path (where particles go), streak (a curtain of smoke) or time (a cloth that "
+                                "drifts, see `sweep`)",
+                        .from_data = "stream, of a flow that changes path",
+                        .choices = kSurfaceKinds}),
+      option<&O::direction>({.text = "forward, backward or both", .choices = kDirections}),
+      option<&O::start>(
+          {.text = "Moment at which particles leave", .unit = "time", .from_data = "the first of the flow"}),
+      option<&O::duration>({.text = "How long they are followed",
+                            .unit = "duration",
+                            .from_data = "to the end of the flow",
+                            .range = positive(),
+                            .name = "time"}),
+      option<&O::length>({.text = "How far, of stream and path surfaces",
+                          .unit = "length",
+                          .from_data = "five diagonals, without `time` and where the flow has no end",
+                          .range = positive()}),
+      option<&O::seeds>({.text = "On the seed curve, evenly",
+                         .from_data = "the number of seeds; 256",
+                         .range = at_least(2),
+                         .name = "particles"}),
+      option<&O::sweep>({.text = "Of time surfaces: the seeds are the curve moved by 0..1 of this"}),
+      option<&O::alpha>({.text = "Gaps wider than this times those of the seeds get a particle, or tear",
+                         .unit = "ratio",
+                         .range = {.least = 1, .above = true}}),
+      option<&O::beta>(
+          {.text = "They tear where they grow by this times a particle's step", .unit = "ratio", .range = positive()}),
+      option<&O::delta>({.text = "Particles nearer than this times the gaps of the seeds may go",
+                         .unit = "ratio",
+                         .range = {.least = 0, .most = 1, .below = true}}),
+      option<&O::insertion, InterpolatedFlag>(
+          {.text = "New particles start half-way between others, as in the source, not on the seed curve",
+           .name = "interpolated"}),
+      option<&O::front_step>(
+          {.text = "Time between fronts", .unit = "duration", .from_data = "from the speed", .range = positive()}),
+      option<&O::most_fronts>({.text = "In each direction", .range = at_least(1)}),
+      option<&O::most_points>({.text = "The surface ends with the front that reaches so many", .range = at_least(2)}),
+      option_group<&O::trace>(TraceOptions::schema().rows)};
+  static const OptionSchema schema{rows};
+  return schema;
+}
 
 void FlowSurfaceOptions::validate() const {
-  trace.validate();
+  validate_options(*this);
   const bool released = kind == FlowSurfaceKind::streak || kind == FlowSurfaceKind::time;
-  check_argument(seeds >= 2, "`seeds` must be at least 2");
-  check_argument(std::isfinite(alpha) && alpha > 1, "`alpha` must be above 1");
-  check_argument(std::isfinite(beta) && beta > 0, "`beta` must be positive");
-  check_argument(delta >= 0 && delta < 1 && 2 * delta <= alpha,
-                 "`delta` must be at least 0, below 1 and at most half `alpha`");
-  check_argument(!start || std::isfinite(*start), "`start` must be finite");
-  check_argument(duration > 0, "`duration` must be positive");
-  check_argument(!length || *length > 0, "`length` must be positive");
+  check_argument(2 * delta <= alpha, "`delta` must be at most half `alpha`");
   check_argument(!length || !released, "`length` is for stream and path surfaces");
-  check_argument(!front_step || (std::isfinite(*front_step) && *front_step > 0),
-                 "`front_step` must be a positive time");
-  check_argument(most_fronts >= 1, "`most_fronts` must be at least 1");
-  check_argument(most_points >= 2, "`most_points` must be at least 2");
   check_argument(!released || direction != FlowDirection::both, "`direction = both` is for stream and path surfaces");
-  check_argument(kind != FlowSurfaceKind::time || (is_finite(sweep) && norm(sweep) > 0),
+  check_argument(kind != FlowSurfaceKind::time || (sweep && norm(*sweep) > 0),
                  "`sweep` of a time surface must have a length");
 }
 

@@ -4,11 +4,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 
 #include "sansmesh/core/vec.h"
 #include "sansmesh/flow/trace.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -19,8 +19,6 @@ enum class FlowSurfaceKind : std::uint8_t {
   time     ///< where those are at the end that left, all at `start`, the curve and its copies along `sweep`
 };
 
-enum class FlowDirection : std::uint8_t { forward, backward, both };
-
 /// Where a particle begins that is put between two others.
 enum class FlowInsertion : std::uint8_t {
   traced,       ///< on the seed curve, half-way between where they did: it is where the flow takes it
@@ -28,12 +26,12 @@ enum class FlowInsertion : std::uint8_t {
 };
 
 struct FlowSurfaceOptions {
-  FlowSurfaceKind kind = FlowSurfaceKind::stream;
+  std::optional<FlowSurfaceKind> kind = {};  ///< default: stream
   /// `both` is for stream and path surfaces.
   FlowDirection direction = FlowDirection::forward;
   /// Particles on the seed curve, evenly by length, >= 2 (of a closed curve >= 3). Their distance along it is Δ₀, which
-  /// particles put between others inherit: the finest detail that is looked for.
-  std::size_t seeds = 256;
+  /// particles put between others inherit: the finest detail that is looked for. Default: 256.
+  std::optional<std::size_t> seeds = {};
   double alpha = 2;    ///< > 1: gaps wider than α Δ₀ get a particle, or the surface tears
   double beta = 2;     ///< > 0: it tears where such a gap grows by β times a particle's step or more
   double delta = 0.5;  ///< 0 <= δ < 1, 2 δ <= α: particles nearer than δ Δ₀ to both neighbours may go; 0 keeps all
@@ -42,7 +40,7 @@ struct FlowSurfaceOptions {
   std::optional<double> start;
   /// How long particles are followed (time, > 0), in each direction. Streak and time surfaces need one, or a field that
   /// ends.
-  double duration = std::numeric_limits<double>::infinity();
+  std::optional<double> duration = {};
   /// Stream and path surfaces end with the front at which particles have gone so far (length, > 0): the sum of the
   /// medians of their steps from front to front, without those at rest. Default where neither `duration` nor the field
   /// gives an end: five diagonals of its bounds, as of flow_lines(); else none.
@@ -53,9 +51,10 @@ struct FlowSurfaceOptions {
   std::size_t most_fronts = 16'384;      ///< >= 1, in each direction
   std::size_t most_points = 10'000'000;  ///< >= 2: the surface ends with the front that reaches them, or
                                          ///< ten times as many moves of a particle to a front
-  Vec3 sweep;                            ///< of time surfaces, not zero: the seeds are the curve moved by 0..1 of it
+  std::optional<Vec3> sweep = {};        ///< of time surfaces, not zero: the seeds are the curve moved by 0..1 of it
   TraceOptions trace;                    ///< `backward`, `duration` and `length` do not count
 
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

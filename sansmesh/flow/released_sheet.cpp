@@ -33,8 +33,8 @@ class ReleasedSheet {
     trace_.backward = options.direction == FlowDirection::backward;
     streak_ = options.kind == FlowSurfaceKind::streak;
     length_ = curve.length();
-    spacing_ = length_ / static_cast<double>(curve.closed ? options.seeds : options.seeds - 1);
-    end_ = *options.start + (trace_.backward ? -1 : 1) * options.duration;
+    spacing_ = length_ / static_cast<double>(curve.closed ? *options.seeds : *options.seeds - 1);
+    end_ = *options.start + (trace_.backward ? -1 : 1) * *options.duration;
     least_part_ = least_seed_distance(field, trace_) / spacing_;
     sheet_.report.spacing = spacing_;
   }
@@ -80,7 +80,7 @@ class ReleasedSheet {
       if (streak_)
         moments[i] = released(rows[i]);
       else
-        seeds[i] += options_.sweep * (rows[i] / row_extent_);
+        seeds[i] += *options_.sweep * (rows[i] / row_extent_);
     }
     Particles p = particles_at(field_, seeds, moments);
     std::vector<std::uint32_t> all(s.size());
@@ -94,10 +94,10 @@ class ReleasedSheet {
 
   /// Rows of as many particles as there are seeds.
   void lay() {
-    const std::size_t n = options_.seeds;
+    const std::size_t n = *options_.seeds;
     std::vector<double> line(n);
     for (std::size_t i = 0; i < n; ++i) line[i] = std::min(spacing_ * static_cast<double>(i), length_);
-    row_extent_ = streak_ ? options_.duration : norm(options_.sweep);
+    row_extent_ = streak_ ? *options_.duration : norm(*options_.sweep);
     double step = spacing_;
     if (streak_) {
       const Particles p = particles_at(field_, curve_.at(line), std::vector<double>(n, *options_.start));
@@ -107,7 +107,7 @@ class ReleasedSheet {
       if (speeds.empty()) throw DataError("no part of the seed curve lies in the flow");
       step = options_.front_step ? *options_.front_step : front_time(std::move(speeds), spacing_);
     }
-    if (options_.most_points / 2 < n) throw ArgumentError("`most_points` must be at least twice `seeds`");
+    if (options_.most_points / 2 < n) throw ArgumentError("`most_points` must be at least twice `particles`");
     const std::size_t room = (options_.most_points - n) / std::max<std::size_t>(n, 2);
     const std::size_t most = std::max<std::size_t>(1, std::min(options_.most_fronts, room));
     const auto rows = index_in<std::size_t>(std::ceil(row_extent_ / step * (1 - 1e-9)), 1, most);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <string_view>
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
@@ -371,13 +372,30 @@ void follow(const VectorField& field, Particles& p, std::vector<std::uint32_t> a
 
 }  // namespace
 
+const OptionSchema& TraceOptions::schema() {
+  using O = TraceOptions;
+  static constexpr std::string_view integrators[] = {"euler", "rk4", "dopri5"};
+  static constexpr OptionRow rows[] = {
+      option<&O::integrator>({.text = "euler, rk4, or dopri5 with steps by the tolerance", .choices = integrators}),
+      option<&O::tolerance>(
+          {.text = "Error of a step", .unit = "length", .from_data = "1e-5 of the diagonal", .range = positive()}),
+      option<&O::step>({.text = "Of euler and rk4, and at most of dopri5",
+                        .unit = "length",
+                        .from_data = "a thousandth and a fiftieth of the diagonal",
+                        .range = positive(),
+                        .name = "step_length"}),
+      option<&O::least_speed>({.text = "Slower ones have arrived; 0: of lines 1e-6 of the seeds' median",
+                               .unit = "speed",
+                               .range = at_least(0)}),
+      option<&O::most_steps>({.text = "Of a particle", .range = at_least(1)})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void TraceOptions::validate() const {
-  check_argument(!tolerance || (std::isfinite(*tolerance) && *tolerance > 0), "`tolerance` must be a positive length");
-  check_argument(!step || (std::isfinite(*step) && *step > 0), "`step` must be a positive length");
-  check_argument(duration > 0, "`duration` must be positive");
+  validate_options(*this);
+  check_argument(duration > 0, "`time` must be positive");
   check_argument(length > 0, "`length` must be positive");
-  check_argument(std::isfinite(least_speed) && least_speed >= 0, "`least_speed` must be at least 0");
-  check_argument(most_steps >= 1, "`most_steps` must be at least 1");
 }
 
 double trace_tolerance(const VectorField& field, const TraceOptions& options) {

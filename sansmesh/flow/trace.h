@@ -11,6 +11,7 @@
 #include "sansmesh/core/progress.h"
 #include "sansmesh/core/vec.h"
 #include "sansmesh/field/vector_field.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -19,6 +20,9 @@ enum class Integrator : std::uint8_t {
   rk4,    ///< Runge and Kutta's classical one: fourth order
   dopri5  ///< Dormand and Prince's pair of orders 5 and 4: steps as long as the tolerance allows
 };
+
+/// Which ways particles go from their seeds.
+enum class FlowDirection : std::uint8_t { forward, backward, both };
 
 /// Why a particle stopped.
 enum class TraceEnd : std::uint8_t {
@@ -44,6 +48,9 @@ struct TraceOptions {
   /// moments(), so have lines of dopri5 that do not get farther than 32 tolerances in 64 steps.
   double least_speed = 0;
   std::size_t most_steps = 20'000;  ///< >= 1, tries included
+
+  /// What users choose: not the direction, duration and length, which follow from what is traced.
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -47,10 +47,18 @@ float solid_noise(const Vec3f& at, float size) {
 
 }  // namespace
 
+const OptionSchema& FlowTextureOptions::schema() {
+  using O = FlowTextureOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::streak_length>({.text = "Length of the streaks", .unit = "pixels", .range = {1, 1000}}),
+      option<&O::streak_width>({.text = "Width of the streaks", .unit = "pixels", .range = {0.5, 100}}),
+      option<&O::streak_contrast>({.text = "Contrast of the streaks", .unit = "share", .range = {0, 1}})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 void FlowTextureOptions::validate() const {
-  check_range("streak_length", streak_length, 1, 1000);
-  check_range("streak_width", streak_width, 0.5, 100);
-  check_range("streak_contrast", streak_contrast, 0, 1);
+  validate_options(*this);
   if (phase) check_range("phase", *phase, 0, 1);
 }
 

@@ -8,6 +8,7 @@
 #include "sansmesh/core/vec.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
+#include "sansmesh/schema/option.h"
 
 namespace sansmesh {
 
@@ -17,6 +18,9 @@ struct FlowTextureOptions {
   double streak_contrast = 0.4;  ///< 0..1
   /// Waves run along the streaks with the flow, by one wave as this goes from 0 to 1. Default: none.
   std::optional<double> phase;
+
+  /// Without `phase`.
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

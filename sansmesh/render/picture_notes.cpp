@@ -221,6 +221,10 @@ Rgba ink_for(const Image& image) {
   return weight > 0 ? ink_on(sum / weight) : ink_on(1);
 }
 
+std::string with_unit(const std::string& name, const std::string& unit) {
+  return unit.empty() ? name : name + " [" + unit + "]";
+}
+
 int value_bar_width(int height, const TransferFunction& function, const std::string& title) {
   if (height < kLowestWithBar) return 0;
   const BarLayout layout(height, function, title);

@@ -99,7 +99,7 @@ TEST(MlsDeformationErrors, NameOptionsOutOfRange) {
   options.alpha = 0.4;
   expect_parts(said(loose_handles(5), options), {"`alpha`"});
   options.alpha = 1, options.damping = 0.5;
-  expect_parts(said(loose_handles(5), options), {"`damping`"});
+  expect_parts(said(loose_handles(5), options), {"`cut_damping`"});
   options.damping = 1, options.degree = 4;
   expect_parts(said(loose_handles(5), options), {"`degree`"});
 }

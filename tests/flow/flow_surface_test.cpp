@@ -290,7 +290,7 @@ TEST(FlowSurface, NoParticleIsOutsideAndNoneIsThereTwice) {
 /// Largest distance of a surface's points from where they should be, with n fronts and as many steps.
 double error_with(Integrator integrator, const char* flow, int n) {
   FlowSurfaceOptions options = surface_for(1.5, 17);
-  options.front_step = options.duration / n;
+  options.front_step = *options.duration / n;
   options.trace.integrator = integrator;
   // One step from front to front, about as long ones from the seed curve; no shorter ones.
   options.trace.step = 3.2 * *options.front_step, options.trace.tolerance = 1e-3;
@@ -756,7 +756,7 @@ TEST(FlowSurface, SaysWhereMomentsAreTheSameNumber) {
     surface();
     ADD_FAILURE();
   } catch (const ArgumentError& error) {
-    EXPECT_STREQ(error.what(), "`duration` (1e-17) is nothing beside `start` (1)");
+    EXPECT_STREQ(error.what(), "`time` (1e-17) is nothing beside `start` (1)");
   }
 }
 

@@ -1,22 +1,19 @@
-#include "line_picture.h"
+#include "sansmesh/jobs/line_picture.h"
 
 #include <fmt/core.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <cstdint>
 #include <numeric>
 #include <tuple>
 #include <utility>
-#include <vector>
 
-#include "color_bar.h"
 #include "sansmesh/core/box.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/tubes.h"
 #include "sansmesh/render/mesh_picture.h"
@@ -24,13 +21,13 @@
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/value_histogram.h"
 
-namespace sansmesh::cli {
+namespace sansmesh {
 namespace {
 
-constexpr double kRadius = 1.0 / 400;  // of the diagonal of the lines
-constexpr double kBothSigns = 0.1;     // of the larger side, on the smaller one
-constexpr double kScaleEnds = 0.01;    // of the tubes' area, at each end of the scale
-constexpr double kDrawnStep = 0.5;     // between points that are drawn, in radii
+constexpr double kTubeRadius = 1.0 / 400;  // of the diagonal of the lines
+constexpr double kBothSigns = 0.1;         // of the larger side, on the smaller one
+constexpr double kScaleEnds = 0.01;        // of the tubes' area, at each end of the scale
+constexpr double kDrawnStep = 0.5;         // between points that are drawn, in radii
 constexpr double kWidestNumbers = 1.2e-100;
 constexpr const char* kMagnitude = " (magnitude)";
 /// Pixels that are left for the lines beside the colour bar, at least.
@@ -75,52 +72,79 @@ TransferFunction colors_for(const TriangleMesh& mesh, const std::vector<std::uin
   return transfer_function_preset(signs ? "diverging" : "flow", h);
 }
 
+/// The tubes; `point` is the point of the lines that a vertex is of.
+TriangleMesh tubes_around(const PolylineSet& lines, double radius) {
+  PolylineSet bare;  // which point a vertex is of is all that is needed
+  bare.origin = lines.origin, bare.positions = lines.positions, bare.offsets = lines.offsets;
+  std::vector<std::uint32_t> numbers(lines.positions.size());
+  std::iota(numbers.begin(), numbers.end(), 0u);
+  bare.attributes.set("point", std::move(numbers));
+  return tubes(bare, {.radius = radius, .sides = 8, .least_step = kDrawnStep * radius});
+}
+
+RenderOptions look_for(const LinePictureOptions& options, const Box3& box) {
+  RenderOptions look = options.look;
+  look.shadows = look.ground = false;
+  if (options.any_background) {
+    look.background = RenderOptions::Background::solid;
+    look.background_color = {0.93f, 0.94f, 0.95f};
+  }
+  if (options.any_view)
+    if (const auto view = view_of_layer(box, look.up)) look.view = *view;
+  return look;
+}
+
 }  // namespace
 
-void LinePictureArguments::check(const std::string& usual) const {
-  if (file.empty()) {
-    require(color_by.empty() && unit.empty() && !radius && background.empty() && !picture.any(),
-            "--color-by, --unit, --tube-radius, --background and the options of the picture need --preview");
-    return;
-  }
-  require(!radius || (std::isfinite(*radius) && *radius > 0), "--tube-radius must be positive");
-  const RenderOptions look = picture.chosen();
+const OptionSchema& LinePictureOptions::schema() {
+  using O = LinePictureOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::color_by>({.text = "speed, time, vorticity, or an array of `carry`; of vectors their length",
+                            .unit = "name",
+                            .from_data = "speed; of streak and time lines time"}),
+      option<&O::unit>({.text = "Of what colours are by, at the scale", .unit = "unit"}),
+      option<&O::tube_radius>({.text = "Of the tubes",
+                               .unit = "length",
+                               .from_data = "1/400 of the lines' diagonal",
+                               .range = positive()})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+void LinePictureOptions::validate(const std::string& usual) const {
+  validate_options(*this);
   look.validate();
   ValueHistogram widest;  // no numbers are wider than those of such a range
   widest.lower = -kWidestNumbers, widest.upper = kWidestNumbers;
   const int bar = value_bar_width(look.height, transfer_function_preset("diverging", widest),
                                   with_unit((color_by.empty() ? usual : color_by) + kMagnitude, unit));
   if (bar > 0 && look.width < bar + kLeastBesideBar)
-    throw ArgumentError(fmt::format("--width {} is too narrow: a picture {} high takes {} with its colour bar, or more",
-                                    look.width, look.height, bar + kLeastBesideBar));
-  check_writable(file, "image");
+    throw ArgumentError(
+        fmt::format("`width = {}` is too narrow: a picture {} high takes {} with its colour bar, or more", look.width,
+                    look.height, bar + kLeastBesideBar));
 }
 
-void LinePictureArguments::check_color(const std::vector<std::string>& arrays) const {
+void LinePictureOptions::check_color(const std::vector<std::string>& arrays) const {
   if (color_by.empty() || std::find(arrays.begin(), arrays.end(), color_by) != arrays.end()) return;
-  throw ArgumentError(fmt::format("--color-by {}: the lines have {}; --carry adds arrays of the data",
+  throw ArgumentError(fmt::format("`color_by` {}: the lines have {}; `carry` adds arrays of the data",
                                   printable(color_by, 40), fmt::join(arrays, ", ")));
 }
 
-LinePicture draw_lines(const PolylineSet& lines, const LinePictureArguments& a, const std::string& usual,
-                       Progress& progress) {
+LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& options, const std::string& usual,
+                         Progress& progress) {
   LinePicture drawn;
-  drawn.color_by = a.color_by.empty() ? usual : a.color_by;
-  const Attribute& array = *lines.attributes.find(drawn.color_by);
+  drawn.color_by = options.color_by.empty() ? usual : options.color_by;
+  const Attribute* const array = lines.attributes.find(drawn.color_by);
+  if (!array) options.check_color({});
   Box3 box;
   for (const Vec3f& p : lines.positions)
     if (is_finite(p)) box.extend(Vec3(p));
-  const std::vector<double> values = numbers_of(array);
-  drawn.radius = a.radius.value_or(kRadius * box.diagonal());
+  const std::vector<double> values = numbers_of(*array);
+  drawn.radius = options.tube_radius.value_or(kTubeRadius * box.diagonal());
   if (!(drawn.radius > 0)) throw DataError("all points of the lines are in one place: there is nothing to draw");
 
   progress.begin("tubes");
-  PolylineSet bare;  // which point a vertex is of is all that is needed
-  bare.origin = lines.origin, bare.positions = lines.positions, bare.offsets = lines.offsets;
-  std::vector<std::uint32_t> numbers(lines.positions.size());
-  std::iota(numbers.begin(), numbers.end(), 0u);
-  bare.attributes.set("point", std::move(numbers));
-  TriangleMesh mesh = tubes(bare, {.radius = drawn.radius, .sides = 8, .least_step = kDrawnStep * drawn.radius});
+  TriangleMesh mesh = tubes_around(lines, drawn.radius);
   drawn.triangles = mesh.triangles.size();
   const std::vector<std::uint32_t>& points = *mesh.attributes.find<std::uint32_t>("point");
   const TransferFunction colors = colors_for(mesh, points, values);
@@ -131,16 +155,8 @@ LinePicture draw_lines(const PolylineSet& lines, const LinePictureArguments& a, 
     mesh.colors[v] = {to_byte(c.x), to_byte(c.y), to_byte(c.z)};
   });
 
-  RenderOptions look = a.picture.chosen();
-  // Colours are to be read: no shadow on the ground or on other lines.
-  look.background = RenderOptions::Background::solid;
-  look.background_color = {0.93f, 0.94f, 0.95f};
-  look.shadows = look.ground = false;
-  if (!a.background.empty()) set_background(look, a.background);
-  if (a.background == "gradient") look.background = RenderOptions::Background::gradient;
-  if (!a.picture.has_view())
-    if (const auto view = view_of_layer(box, look.up)) look.view = *view;
-  const std::string title = with_unit(drawn.color_by + (array.components > 1 ? kMagnitude : ""), a.unit);
+  RenderOptions look = look_for(options, box);
+  const std::string title = with_unit(drawn.color_by + (array->components > 1 ? kMagnitude : ""), options.unit);
   look.width -= value_bar_width(look.height, colors, title);
   BarEnds ends;
   for (const std::uint32_t p : points) {
@@ -153,20 +169,4 @@ LinePicture draw_lines(const PolylineSet& lines, const LinePictureArguments& a, 
   return drawn;
 }
 
-void add_line_picture(CommandLine& c, LinePictureArguments& a) {
-  add_preview_option(c, a.file, "the lines as tubes");
-  const char* const group = "Picture";
-  c.add_option("--color-by", a.color_by,
-               "speed, time, vorticity, or an array of --carry; of vectors their length [speed; of streak and time "
-               "lines time]")
-      .type_name("NAME")
-      .group(group);
-  c.add_option("--unit", a.unit, "Of what colours are by, at the scale").type_name("UNIT").group(group);
-  c.add_option("--tube-radius", a.radius, "Of the tubes [1/400 of the lines' diagonal]")
-      .type_name("LENGTH")
-      .group(group);
-  add_background_option(c, a.background, "light gray");
-  add_picture_options(c, a.picture);
-}
-
-}  // namespace sansmesh::cli
+}  // namespace sansmesh

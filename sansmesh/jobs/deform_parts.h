@@ -1,0 +1,54 @@
+// What deformations of all kinds of things share (deform.h).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/box.h"
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/note.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/image.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/deform/folds.h"
+#include "sansmesh/jobs/deform_options.h"
+#include "sansmesh/jobs/deformation.h"
+#include "sansmesh/render/picture_surfaces.h"
+
+namespace sansmesh {
+
+/// Looks where space is folded, and keeps of all poses the one that is folded most.
+class FoldWatch {
+ public:
+  /// In a box: that of what is seen through the map, or of what is moved by it. Returns the folds as something to see,
+  /// which is empty where there are none.
+  TriangleMesh look(const SpaceMap& map, const Box3& box, Progress& progress);
+  const FoldReport& worst() const { return worst_; }
+  /// "folded", if anything is.
+  void add_note(const std::string& name, std::vector<Note>& notes) const;
+
+ private:
+  FoldReport worst_;
+};
+
+/// Calls; errors of the data get the name of what is deformed in front.
+template <class Call>
+auto naming_thing(const std::string& name, Call call) {
+  try {
+    return call();
+  } catch (const DataError& error) {
+    throw DataError(printable(name, 200) + ": " + error.what());
+  }
+}
+
+void add_corners(const Box3& box, std::vector<Vec3>& places);
+void add_vertices(const TriangleMesh& mesh, std::vector<Vec3>& places);
+/// Places that all poses lie within, where there are several: of the first, the middle and the last.
+std::vector<Vec3> places_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,
+                                  bool unknown_as_before);
+/// Surfaces, and beside them handles and folds as far as they are asked for, framed by `places` and the handles.
+Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions& options,
+                      const Deformation& deformation, double share, std::vector<Vec3> places, const TriangleMesh& folds,
+                      Progress& progress);
+
+}  // namespace sansmesh

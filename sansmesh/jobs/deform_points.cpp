@@ -1,0 +1,110 @@
+// Clouds and meshes, deformed.
+#include <fmt/core.h>
+
+#include <array>
+#include <cstdint>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/jobs/deform.h"
+#include "sansmesh/jobs/deform_parts.h"
+#include "sansmesh/mesh/mesh_topology.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::array<std::uint8_t, 3> kFoldedColor{222, 30, 30}, kUsualColor{222, 214, 204};
+
+/// Vertices in red where the map turns space inside out.
+void color_folded(TriangleMesh& mesh, const SpaceMap& map) {
+  std::vector<Vec3> x;
+  x.reserve(mesh.vertices.size());
+  for (const Vec3f& p : mesh.vertices) x.push_back(mesh.origin + Vec3(p));
+  std::vector<Jacobian> jacobians(x.size());
+  map.map(x, {{}, jacobians, {}, {}});
+  if (mesh.colors.empty()) mesh.colors.assign(x.size(), kUsualColor);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const Jacobian& j = jacobians[i];
+    if (dot(j[0], cross(j[1], j[2])) <= 0) mesh.colors[i] = kFoldedColor;
+  }
+}
+
+std::string number_of(std::size_t n, bool vertices) {
+  return vertices ? fmt::format("{} {}", grouped(n), n == 1 ? "vertex" : "vertices") : counted(n, "point");
+}
+
+void add_mesh_notes(const DeformReport& r, bool mesh, const std::string& name, std::vector<Note>& notes) {
+  const auto note = [&](const char* code, std::string text, const char* remedy = "") {
+    notes.push_back({.code = code, .text = std::move(text), .remedy = remedy, .of = name});
+  };
+  if (!r.mesh.fine)
+    note("bends_stay", "there would be too many triangles to cut all edges that bend", "a larger `refine`");
+  if (r.mesh.undefined > 0)
+    note("undefined",
+         fmt::format("{} stay where they are: the map is not defined there", number_of(r.mesh.undefined, mesh)));
+  if (r.mesh.turned > 0)
+    note("turned",
+         fmt::format("{} of {} lie where space is folded", grouped(r.mesh.turned), number_of(r.vertices, mesh)));
+  if (r.cut.unopened > 0)
+    note("uncut", fmt::format("{} stayed whole where a cut passes: it does so in too many places",
+                              counted(r.cut.unopened, "triangle")));
+  if (r.cut.unclosed > 0)
+    note("cut_open", "the mesh stays open along a cut: faces are made along half-planes and polygons only");
+}
+
+}  // namespace
+
+DeformResult deform(const PointSet& points, const std::string& name, const Deformation& deformation, DeformAim aim,
+                    const DeformOptions& options, const UsePose& use, Progress& progress) {
+  options.validate(aim);
+  const bool mesh = !points.triangles.empty(), picture = aim == DeformAim::picture;
+  if (aim == DeformAim::sections) throw ArgumentError("sections are of functions and solids");
+  if (!mesh && options.refine) throw ArgumentError("`refine` is for meshes: the input has no faces");
+  MeshDeformOptions bent;
+  bent.bend = options.refine;
+  const Box3 before = bounds_of(points);
+  const std::vector<Vec3> framed = picture ? places_of_poses(deformation, before, options, true) : std::vector<Vec3>();
+  DeformResult result;
+  DeformReport& r = result.report;
+  TriangleMesh opened;  // along cuts; a cloud is as it is
+  if (mesh || picture) opened = to_mesh(points);
+  if (mesh && !deformation.cuts().empty()) {
+    progress.begin("open");
+    OpenMeshOptions open;
+    open.close = !options.cut_open && measure_topology(opened).closed();
+    opened = open_along_cuts(std::move(opened), deformation.cuts(), open, &r.cut);
+  }
+  FoldWatch folds;
+  for (int k = 0; k < options.poses(); ++k) {
+    const DeformationMaps maps = deformation.at(options.share(k));
+    folds.look(*maps.forward, before, progress);
+    progress.begin("deform");
+    if (!mesh && !picture) {
+      PointSet cloud = deform_points(points, *maps.forward, &r.mesh);
+      r.vertices = cloud.size();
+      use(k, std::move(cloud));
+      continue;
+    }
+    TriangleMesh moved = opened;
+    if (options.draw_folds) color_folded(moved, *maps.forward);
+    moved = deform_mesh(std::move(moved), *maps.forward, bent, &r.mesh);
+    r.vertices = moved.vertices.size(), r.triangles = moved.triangles.size();
+    if (!picture) {
+      use(k, std::move(moved));
+      continue;
+    }
+    std::vector<Vec3> places = framed;
+    if (places.empty()) add_vertices(moved, places);
+    use(k, naming_thing(name, [&] {
+          return picture_of_pose({surface_in_picture(moved, options.look)}, options, deformation, options.share(k),
+                                 std::move(places), {}, progress);
+        }));
+  }
+  add_mesh_notes(r, mesh, name, result.notes);
+  folds.add_note(name, result.notes);
+  r.folds = folds.worst();
+  return result;
+}
+
+}  // namespace sansmesh

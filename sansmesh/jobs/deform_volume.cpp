@@ -1,0 +1,214 @@
+// Volumes, resampled or drawn through a deformation.
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/dataset/resample_volume.h"
+#include "sansmesh/deform/cut_map.h"
+#include "sansmesh/field/deformed_volume.h"
+#include "sansmesh/field/inverse_map.h"
+#include "sansmesh/field/map_gaps.h"
+#include "sansmesh/jobs/deform.h"
+#include "sansmesh/jobs/deform_parts.h"
+#include "sansmesh/jobs/volume_subject.h"
+#include "sansmesh/mesh/refine_edges.h"
+#include "sansmesh/render/transfer_presets.h"
+#include "sansmesh/render/value_histogram.h"
+#include "sansmesh/render/volume_picture.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kHistogramPoints = 60000;
+constexpr double kSideTriangles = 1.0 / 24;  // of the diagonal: edges of the volume's outside that are bent with it
+constexpr std::size_t kMostSideTriangles = 400000;
+constexpr double kBoundaryShare = 1e-7;  // of the diagonal: to which it is carried
+constexpr double kMapRoom = 0.02;        // around the box for which a map is sampled
+
+/// The outside of a box.
+TriangleMesh box_mesh(const Box3& box) {
+  TriangleMesh mesh;
+  mesh.origin = box.center();
+  std::vector<Vec3> corners;
+  add_corners(box, corners);
+  for (const Vec3& c : corners) mesh.vertices.push_back(Vec3f(c - mesh.origin));
+  mesh.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return mesh;
+}
+
+/// The outside of the volume after the deformation, where all of it was found.
+std::optional<TriangleMesh> moved_boundary(TriangleMesh mesh, const DeformationMaps& maps, double diagonal) {
+  refine_edges(mesh, kSideTriangles * diagonal, kMostSideTriangles);
+  MeshDeformReport report;
+  mesh = deform_mesh(std::move(mesh), InverseMap(maps.backward, kBoundaryShare * diagonal, maps.forward), {}, &report);
+  if (report.undefined > 0 || report.turned > 0) return std::nullopt;
+  return mesh;
+}
+
+/// All that the poses of one volume share.
+class VolumePoses {
+ public:
+  VolumePoses(const DeformableVolume& volume, const Deformation& deformation, const DeformOptions& options,
+              Progress& progress)
+      : volume_(volume),
+        deformation_(deformation),
+        options_(options),
+        look_(options.look),
+        progress_(progress),
+        before_(volume.fields.at(0)->bounds()) {}
+
+  /// Colours, a title and a view that suit the volume, where none were chosen.
+  void choose_look() {
+    const SampledVolume& samples = *volume_.samples;
+    if (!look_.transfer) {
+      const ValueHistogram values = value_histogram(*volume_.fields[0], kHistogramPoints, samples.positions);
+      look_.transfer = look_.preset.empty() ? suggest_transfer_function(values, samples.lattice.has_value()).function
+                                            : transfer_function_preset(look_.preset, values);
+      look_.preset.clear();
+    }
+    if (look_.color_title.empty()) look_.color_title = volume_.arrays.at(0);
+    if (options_.any_view)
+      if (const auto view = view_of_layer(samples.bounds(), look_.up)) look_.view = *view;
+    look_.steady = options_.frames.has_value();
+    framed_ = places_of_poses(deformation_, before_, options_, true);
+  }
+
+  /// All arrays on one lattice.
+  GridBlock resampled(int k) {
+    const DeformationMaps maps = deformation_.at(options_.share(k));
+    folds_.look(*maps.backward, box_at(maps), progress_);
+    ResampleOptions options = options_.lattice;
+    options.box = options_.box;
+    GridBlock block;
+    for (std::size_t i = 0; i < volume_.fields.size(); ++i) {
+      const auto& field = volume_.fields[i];
+      const std::string& name = volume_.arrays.at(i);
+      const DeformedVolume deformed(field, maps.backward, deformation_.box_of(maps, field->bounds()), options.box);
+      if (!options.box) options.box = deformed.bounds();
+      GridBlock one = resample_volume(deformed, name, options, progress_);
+      if (i == 0) {
+        block = std::move(one);
+        continue;
+      }
+      for (const Attribute& array : one.point_arrays)
+        if (array.name == name) block.point_arrays.set(array);
+    }
+    DeformReport& r = result_.report;
+    for (std::size_t a = 0; a < 3; ++a) r.size[a] = block.axes[a].size();
+    if (const auto* inside = block.point_arrays.find<std::uint8_t>("inside"))
+      r.inside =
+          static_cast<double>(std::count(inside->begin(), inside->end(), 1)) / static_cast<double>(inside->size());
+    return block;
+  }
+
+  Image picture(int k) {
+    const double share = options_.share(k);
+    const DeformationMaps maps = deformation_.at(share);
+    const Box3 box = box_at(maps);
+    const TriangleMesh folded = folds_.look(*maps.backward, box, progress_);
+    const std::shared_ptr<const SpaceMap> seen_by = seen_through(maps, box);
+    const MapGaps gaps(seen_by, box);
+    const bool torn = seen_by->has_gaps();
+    const DeformedVolume field(volume_.fields[0], seen_by, {}, box);
+    VolumeSubject subject;
+    TriangleMesh boundary;
+    VolumeSubject plain = volume_subject(*volume_.samples, boundary);
+    progress_.begin("boundary");
+    std::optional<TriangleMesh> outside;
+    if (torn)
+      subject.gap = &gaps;  // the outside is torn, too: the field says what is inside
+    else
+      outside = moved_boundary(plain.boundary ? std::move(boundary) : box_mesh(before_), {seen_by, maps.forward},
+                               before_.diagonal());
+    if (outside) subject.boundary = &*outside;
+    subject.image = plain.image;
+    subject.field = &field;
+    std::vector<Vec3> places, framed = framed_;
+    if (outside) add_vertices(*outside, places);
+    subject.places = places;
+    if (framed.empty() && torn) add_corners(deformation_.box_of(maps, before_).value_or(box), framed);
+    subject.framed = framed;
+    if (options_.draw_folds && !folded.triangles.empty()) subject.surfaces.push_back(surface_in_picture(folded, look_));
+    if (options_.draw_handles && deformation_.has_handles())
+      subject.surfaces.push_back(surface_in_picture(deformation_.handle_shapes_at(share, before_.diagonal()), look_));
+    const VolumePicture picture(std::move(subject), progress_);
+    VolumePictureReport report;
+    Image image = picture.render(look_, progress_, &report);
+    if (!outside && !torn)
+      report.notes.emplace_back("the outside of the volume is folded or torn: its sides are drawn a step at a time");
+    add_notes(result_.notes, "picture", report.notes, volume_.name);
+    result_.report.rays = report.rays, result_.report.evaluations = report.evaluations;
+    return image;
+  }
+
+  DeformResult result() {
+    folds_.add_note(volume_.name, result_.notes);
+    result_.report.folds = folds_.worst();
+    return std::move(result_);
+  }
+
+ private:
+  Box3 box_at(const DeformationMaps& maps) const {
+    return box_before(*maps.backward, before_, deformation_.box_of(maps, before_));
+  }
+
+  /// The deformation itself is slow to ask at each step of each ray.
+  std::shared_ptr<const SpaceMap> seen_through(const DeformationMaps& maps, const Box3& box) const {
+    if (options_.exact || !deformation_.has_handles()) return maps.backward;
+    const Box3 wide = with_room(box, kMapRoom);
+    const std::array<std::size_t, 3> sizes = lattice_sizes(wide, static_cast<std::size_t>(options_.map_nodes));
+    if (deformation_.cuts().empty())
+      return std::make_shared<const DisplacementMap>(displacement_map(*maps.backward, wide, sizes, progress_));
+    return std::make_shared<const CutMap>(maps.backward, deformation_.cuts(), wide, sizes, progress_);
+  }
+
+  const DeformableVolume& volume_;
+  const Deformation& deformation_;
+  const DeformOptions& options_;
+  VolumePictureOptions look_;
+  Progress& progress_;
+  Box3 before_;
+  std::vector<Vec3> framed_;
+  FoldWatch folds_;
+  DeformResult result_;
+};
+
+}  // namespace
+
+DeformableVolume deformable_volume(VolumeModel& volume, DeformAim aim, bool all, Progress& progress,
+                                   std::vector<Note>& notes) {
+  DeformableVolume found{volume.name(), volume.samples(progress), {}, {}};
+  const auto add = [&](const ArrayChoice& choice, const std::string& name) {
+    found.fields.push_back(volume.field(choice, progress, notes));
+    found.arrays.push_back(name);
+  };
+  if (!all) {
+    add(aim == DeformAim::picture ? volume.as_scalar(volume.choice()) : volume.choice(), volume.array_name());
+    return found;
+  }
+  for (const DatasetArray& array : volume.dataset().arrays())
+    if (volume.dataset().volume(array.name, progress) == found.samples) add({array.name, {}, false}, array.name);
+  return found;
+}
+
+DeformResult deform(const DeformableVolume& volume, const Deformation& deformation, DeformAim aim,
+                    const DeformOptions& options, const UsePose& use, Progress& progress) {
+  options.validate(aim);
+  if (options.refine) throw ArgumentError("`refine` is for meshes");
+  if (aim == DeformAim::sections)
+    throw ArgumentError("sections are of functions: a value of one of its quantities is a surface of a volume");
+  VolumePoses poses(volume, deformation, options, progress);
+  if (aim == DeformAim::picture) naming_thing(volume.name, [&] { poses.choose_look(); });
+  const auto pose_at = [&](int k) -> DeformedPose {
+    if (aim == DeformAim::picture) return poses.picture(k);
+    return poses.resampled(k);
+  };
+  for (int k = 0; k < options.poses(); ++k) use(k, naming_thing(volume.name, [&] { return pose_at(k); }));
+  return poses.result();
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,104 @@
+#include "sansmesh/jobs/flow_lines.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kUsualLineSeeds = 200;
+
+struct CarriedArray {
+  std::string name;
+  ArrayChoice choice;
+};
+
+std::vector<CarriedArray> carried_along(const FlowModel& flow, const std::string& carry) {
+  if (carry == "none") return {};
+  const VolumeModel* const volume = flow.volume();
+  if (!volume) throw ArgumentError("`carry` needs a steady flow of a file");
+  std::vector<std::string> names;
+  if (carry == "all")
+    for (const DatasetArray& array : volume->dataset().arrays()) names.push_back(array.name);
+  else
+    for (std::size_t at = 0; at <= carry.size();) {
+      const std::size_t end = std::min(carry.find(',', at), carry.size());
+      names.push_back(carry.substr(at, end - at));
+      at = end + 1;
+    }
+  std::vector<CarriedArray> arrays;
+  for (const std::string& name : names) arrays.push_back({name, volume->dataset().choose(name, "carry")});
+  return arrays;
+}
+
+/// Values of other arrays at the points.
+void carry_along(const std::vector<CarriedArray>& arrays, VolumeModel& volume, TraceLinesResult& result,
+                 Progress& progress) {
+  PolylineSet& lines = result.lines;
+  progress.begin("carry arrays", arrays.size());
+  std::vector<Vec3> x;
+  x.reserve(lines.positions.size());
+  for (const Vec3f& p : lines.positions) x.push_back(lines.origin + Vec3(p));
+  for (const CarriedArray& array : arrays) {
+    const auto field = volume.field(array.choice, progress, result.notes);
+    std::vector<double> values(x.size() * field->components());
+    field->evaluate(x, {values, {}, {}, {}});
+    lines.attributes.set(array.name, std::vector<float>(values.begin(), values.end()), field->components());
+    progress.advance();
+  }
+}
+
+}  // namespace
+
+const OptionSchema& TraceLinesOptions::schema() {
+  using O = TraceLinesOptions;
+  static const OptionRow rows[] = {option<&O::seeds>({.text = kSeedsText, .unit = "seeds", .from_data = "box(200)"}),
+                                   option_group<&O::lines>(FlowLineOptions::schema().rows),
+                                   option<&O::carry>({.text = "Other arrays at the points: names with commas, all or "
+                                                              "none",
+                                                      .unit = "names"})};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
+void TraceLinesOptions::validate() const { lines.validate(); }
+
+std::string usual_color(const FlowLineOptions& options) {
+  return options.kind == FlowLineKind::path ? "speed" : "time";
+}
+
+std::vector<std::string> arrays_along_lines(const FlowModel& flow, const TraceLinesOptions& options) {
+  std::vector<std::string> names = {"time", "speed", "velocity", "vorticity"};
+  for (const CarriedArray& array : carried_along(flow, options.carry)) names.push_back(array.name);
+  return names;
+}
+
+TraceLinesResult trace_lines_of(const FlowModel& flow, const TraceLinesOptions& options, Progress& progress) {
+  options.validate();
+  TraceLinesResult result;
+  const Seeds seeds = flow.seeds(options.seeds, kUsualLineSeeds, result.notes);
+  FlowLineOptions lines = options.lines;
+  lines.closed = seeds.closed;
+  const std::vector<CarriedArray> arrays = carried_along(flow, options.carry);
+  try {
+    result.lines = flow_lines(flow.field(), seeds.points, lines, progress, &result.report);
+    if (!arrays.empty()) carry_along(arrays, *flow.volume(), result, progress);
+  } catch (const DataError& error) {
+    throw flow.error(error);
+  }
+  for (Note& note : flow.step_notes()) result.notes.push_back(std::move(note));
+  if (result.report.outside > 0)
+    result.notes.push_back({.code = "outside",
+                            .text = fmt::format("{} of {} outside of the flow", grouped(result.report.outside),
+                                                counted(result.report.seeds, "seed")),
+                            .remedy = {},
+                            .of = flow.source()});
+  return result;
+}
+
+}  // namespace sansmesh

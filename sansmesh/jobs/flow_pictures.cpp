@@ -1,0 +1,346 @@
+#include "sansmesh/jobs/flow_pictures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <memory>
+#include <tuple>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/jobs/volume_subject.h"
+#include "sansmesh/mesh/arrows.h"
+#include "sansmesh/render/picture_notes.h"
+#include "sansmesh/render/transfer_presets.h"
+#include "sansmesh/render/volume_picture.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr double kDark = 0.45;          // of the range of values: colours that are left out below it
+constexpr double kScaleEnd = 0.01;      // share of the particles beyond each end of the scale of colours
+constexpr double kMostTurn = 3600;      // degrees
+constexpr int kLeastBesideBars = 100;   // pixels
+constexpr double kArrowSpacing = 0.06;  // of the surface's diagonal
+constexpr double kArrowLength = 0.7;    // of their distance
+constexpr Vec3f kArrowColor{0.13f, 0.12f, 0.12f};
+
+/// The surface as it is drawn, with what its colours mean.
+struct ColoredSurface {
+  FlowSubject subject;
+  std::optional<TransferFunction> colors;
+  std::string title;
+};
+
+/// The array that colours are by, if it is one. Throws ArgumentError.
+std::optional<ArrayChoice> color_array(const FlowModel& flow, const std::string& by) {
+  if (by == "time" || by == "speed" || by == "seed" || by == "none") return std::nullopt;
+  if (!flow.volume()) throw ArgumentError("`color_by` an array needs a steady flow of a file");
+  return flow.volume()->scalar_choice(by, "color_by");
+}
+
+/// Without what few particles have, which would take the colours from all others.
+std::pair<double, double> scale_ends(std::vector<double> values) {
+  const auto at = [&](double share) {
+    const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), place, values.end());
+    return *place;
+  };
+  const double lower = at(kScaleEnd), upper = at(1 - kScaleEnd);
+  return lower < upper ? std::pair(lower, upper) : std::pair(at(0), at(1));
+}
+
+/// Those of the preset "flow" but for its darkest: on those neither light nor streaks would be seen.
+TransferFunction light_colors(const ValueHistogram& values) {
+  TransferFunction colors = transfer_function_preset("flow", values);
+  const auto [lower, upper] = colors.range();
+  const TransferFunction wide = colors.over(lower - kDark * (upper - lower), upper);
+  for (ColorPoint& p : colors.colors) p.color = wide.color(p.value);
+  return colors;
+}
+
+/// Arrows along the flow, half sunk into the surface: they are seen from both sides.
+TriangleMesh arrows_on(const FlowSurface& surface, double spacing) {
+  const double size = bounds(surface.mesh).diagonal();
+  if (spacing > size)
+    throw ArgumentError(fmt::format("`arrows = {:g}` is more than the surface's diagonal, {:.6g}", spacing, size));
+  if (spacing == 0) spacing = kArrowSpacing * size;
+  std::vector<Vec3> positions, vectors;
+  for (const std::uint32_t v : spread_vertices(surface.mesh, spacing)) {
+    const FlowPoint& p = surface.points[v];
+    vectors.push_back(p.velocity);
+    positions.push_back(p.position - normalized(p.velocity) * (0.5 * kArrowLength * spacing));
+  }
+  ArrowOptions options;
+  options.length = kArrowLength * spacing;
+  return arrows(positions, vectors, options);
+}
+
+/// The volume that the surface stands in: seen through, with iso-surfaces.
+class VolumeAround {
+ public:
+  VolumeAround(const FlowPictureOptions& o, VolumeModel& volume, std::vector<Note>& notes, Progress& progress)
+      : samples_(volume.samples(progress)) {
+    const std::string name = o.volume.empty() ? volume.choice().array : o.volume;
+    field_ = volume.field(volume.scalar_choice(name, "volume"), progress, notes);
+    options_.color_title = name;
+    options_.color_bar = o.bar && !o.volume.empty() && o.volume_opacity > 0;
+    options_.opacity_scale = o.volume.empty() ? 0 : o.volume_opacity;
+    options_.isos = o.isos;
+    options_.validate();
+    VolumeSubject subject = volume_subject(*samples_, boundary_);
+    subject.field = field_.get();
+    subject.image = false;
+    volume.naming([&] { picture_.emplace(std::move(subject), progress); });
+    const ValueHistogram& values = picture_->histogram();
+    options_.transfer = o.volume_preset.empty() ? suggest_transfer_function(values, false).function
+                                                : transfer_function_preset(o.volume_preset, values);
+  }
+  Image render(const RenderOptions& look, bool steady, std::vector<PictureSurface> surfaces, Progress& progress) {
+    static_cast<RenderOptions&>(options_) = look;
+    options_.steady = steady;
+    picture_->set_surfaces(std::move(surfaces));
+    return picture_->render(options_, progress);
+  }
+  /// Pixels that its colour bar takes.
+  int bar_width(int height) const {
+    return options_.color_bar ? value_bar_width(height, *options_.transfer, options_.color_title) : 0;
+  }
+
+ private:
+  std::shared_ptr<const SampledVolume> samples_;
+  std::shared_ptr<const VolumeField> field_;
+  TriangleMesh boundary_;
+  VolumePictureOptions options_;
+  std::optional<VolumePicture> picture_;
+};
+
+/// All that the pictures of one surface share.
+class SurfacePictures {
+ public:
+  SurfacePictures(const FlowModel& flow, const FlowPictureOptions& options, Progress& progress)
+      : flow_(flow), options_(options), look_(options.look), progress_(progress) {
+    const std::optional<ArrayChoice> color = color_array(flow, options.color_by);
+    if (options.in_volume()) around_ = std::make_unique<VolumeAround>(options, *flow.volume(), result_.notes, progress);
+    TraceSurfaceResult traced = trace_surface(flow, options.trace, progress);
+    for (Note& note : traced.notes) result_.notes.push_back(std::move(note));
+    surface_ = std::move(traced.surface);
+    if (surface_.mesh.triangles.empty()) throw flow.error(DataError("the surface is empty"));
+    result_.surface = surface_.report;
+    Box3 box;
+    for (const FlowPoint& p : surface_.points) places_.push_back(p.position), box.extend(p.position);
+    if (options.any_view)
+      if (const auto view = view_of_layer(box, look_.up)) look_.view = *view;
+    color_surface(color);
+    leave_room();
+    sheet_ = std::make_unique<DrawnFlow>(std::move(drawn_.subject), look_);
+  }
+
+  void stand_beside(std::vector<PictureSurface> beside) {
+    beside_ = std::move(beside);
+    if (!options_.arrows) return;
+    RenderOptions dark = look_;
+    dark.surface_color = kArrowColor;
+    beside_.push_back(surface_in_picture(arrows_on(surface_, *options_.arrows), dark));
+  }
+
+  Image at(int frame) {
+    const double share = options_.frames ? static_cast<double>(frame) / *options_.frames : 0;
+    RenderOptions look = look_;
+    look.view.azimuth += std::remainder(options_.turn * share, 360);
+    FlowLook of_surface{.texture = std::nullopt, .opacity = options_.opacity, .splats = options_.splats};
+    if (!options_.smooth) of_surface.texture = options_.streaks;
+    if (of_surface.texture && options_.frames) of_surface.texture->phase = share;
+    std::vector<PictureSurface> surfaces = beside_;
+    surfaces.push_back(sheet_->surface(of_surface));
+    const bool steady = options_.turn != 0;
+    Image image = around_ ? around_->render(look, steady, std::move(surfaces), progress_)
+                          : render_surfaces(surfaces, places_, options_.opacity < 1, steady, look, progress_);
+    if (!options_.title.empty()) draw_title(image, options_.title);
+    const Image paper = paper_beside(look);
+    return bar_ ? beside_value_bar(image, *drawn_.colors, drawn_.title, {}, &paper) : image;
+  }
+
+  const RenderOptions& look() const { return look_; }
+  FlowPicturesResult result() { return std::move(result_); }
+
+ private:
+  /// Values that the colours stand for; none without.
+  std::vector<double> color_values(const std::optional<ArrayChoice>& array) {
+    const std::string& by = options_.color_by;
+    std::vector<double> values;
+    if (by == "none") return values;
+    values.resize(surface_.points.size());
+    if (array) {
+      flow_.volume()->field(*array, progress_, result_.notes)->evaluate(places_, {values, {}, {}, {}});
+      return values;
+    }
+    std::transform(surface_.points.begin(), surface_.points.end(), values.begin(), [&](const FlowPoint& p) {
+      return by == "time" ? p.t : by == "seed" ? p.s : norm(p.velocity);
+    });
+    return values;
+  }
+
+  void color_surface(const std::optional<ArrayChoice>& array) {
+    const std::string& by = options_.color_by;
+    drawn_ = {{surface_.mesh, {}, {}}, {}, with_unit(options_.label.empty() ? by : options_.label, options_.unit)};
+    FlowSubject& subject = drawn_.subject;
+    double fastest = 0;
+    for (const FlowPoint& p : surface_.points) fastest = std::max(fastest, norm(p.velocity));
+    for (const FlowPoint& p : surface_.points) {
+      subject.vectors.push_back(fastest > 0 ? Vec3f(p.velocity / fastest) : Vec3f{});
+      subject.fronts.push_back(p.front);
+    }
+    const std::vector<double> values = color_values(array);
+    subject.mesh.colors.clear();
+    if (values.empty()) return;
+    ValueHistogram histogram = value_histogram(values);
+    if (by != "time" && by != "seed") {
+      std::tie(histogram.lower, histogram.upper) = scale_ends(values);
+      histogram.least = std::max(histogram.least, histogram.lower);
+      histogram.most = std::min(histogram.most, histogram.upper);
+    }
+    const bool signs = histogram.least < 0 && histogram.most > 0 && by != "time";
+    drawn_.colors = signs ? transfer_function_preset("diverging", histogram) : light_colors(histogram);
+    subject.mesh.colors.reserve(values.size());
+    for (const double v : values) {
+      const Vec3f c = drawn_.colors->color(v);
+      subject.mesh.colors.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z)});
+    }
+  }
+
+  /// For the bars, in the width of the picture.
+  void leave_room() {
+    result_.width = look_.width, result_.height = look_.height;
+    bar_ = drawn_.colors && options_.bar;
+    const int bars = (bar_ ? value_bar_width(look_.height, *drawn_.colors, drawn_.title) : 0) +
+                     (around_ ? around_->bar_width(look_.height) : 0);
+    if (bars > 0 && look_.width < bars + kLeastBesideBars)
+      throw ArgumentError(fmt::format("`width = {}` is too narrow: colour bars take {} of it", look_.width, bars));
+    look_.width -= bars;
+  }
+
+  const FlowModel& flow_;
+  const FlowPictureOptions& options_;
+  RenderOptions look_;
+  Progress& progress_;
+  std::unique_ptr<VolumeAround> around_;
+  FlowSurface surface_;
+  std::vector<Vec3> places_;
+  ColoredSurface drawn_;
+  bool bar_ = false;
+  std::vector<PictureSurface> beside_;
+  std::unique_ptr<DrawnFlow> sheet_;
+  FlowPicturesResult result_;
+};
+
+/// Texts "V", "V:#rrggbb", "V:#rrggbb:OPACITY" for iso-surfaces.
+struct IsoWords {
+  static constexpr auto kind = OptionKind::texts;
+  static OptionValue get(const std::vector<IsoSurface>& isos) {
+    std::vector<std::string> words;
+    for (const IsoSurface& iso : isos) {
+      std::string text = fmt::format("{}", iso.value);
+      if (iso.color)
+        text +=
+            fmt::format(":#{:02x}{:02x}{:02x}", to_byte(iso.color->x), to_byte(iso.color->y), to_byte(iso.color->z));
+      if (iso.opacity != 1) text += fmt::format("{}:{}", iso.color ? "" : ":", iso.opacity);
+      words.push_back(text);
+    }
+    return words;
+  }
+  static std::vector<IsoSurface> from(const OptionValue& value) {
+    std::vector<IsoSurface> isos;
+    for (const std::string& text : std::get<std::vector<std::string>>(value)) isos.push_back(iso_surface_of(text));
+    return isos;
+  }
+};
+
+}  // namespace
+
+const OptionSchema& FlowPictureOptions::schema() {
+  using O = FlowPictureOptions;
+  static const OptionRow rows[] = {
+      option_group<&O::trace>(TraceSurfaceOptions::schema().rows),
+      option<&O::smooth>({.text = "Without streaks along the flow (line integral convolution)"}),
+      option_group<&O::streaks>(FlowTextureOptions::schema().rows),
+      option<&O::splats>({.text = "Particles as discs that blend, as in the source, not the mesh"}),
+      option<&O::opacity>(
+          {.text = "Of the surface where it is seen at right angles", .unit = "share", .range = {0, 1}}),
+      option<&O::arrows>({.text = "Arrows along the flow, so far apart, as `arrows`=0.1; 0: from the surface's "
+                                  "size",
+                          .unit = "length",
+                          .range = at_least(0),
+                          .implied = "0"}),
+      option<&O::color_by>({.text = "time, speed, seed (place on the curve), none, or another array", .unit = "name"}),
+      option<&O::frames>(
+          {.text = "So many pictures, NAME_000.png, …, in which the streaks move with the flow", .range = {2, 100000}}),
+      option<&O::turn>({.text = "With `frames`: by so much the view goes around",
+                        .unit = "degrees",
+                        .range = {-kMostTurn, kMostTurn},
+                        .needs = "frames"}),
+      option<&O::volume>({.text = "Array that is seen through around it", .unit = "name"}),
+      option<&O::volume_preset>({.text = "Its colours and opacities, as of pictures of volumes",
+                                 .unit = "name",
+                                 .needs = "volume",
+                                 .usual_words = transfer_function_presets()}),
+      option<&O::volume_opacity>(
+          {.text = "Multiplies its opacity", .unit = "factor", .range = {0, 1000}, .needs = "volume"}),
+      option<&O::isos, IsoWords>({.text = "Surface of a value of that array (else of the speed): V, V:#rrggbb, "
+                                          "V:#rrggbb:OPACITY; may be repeated",
+                                  .unit = "value",
+                                  .name = "iso"}),
+      option<&O::bar>({.text = "Without the colour bar"}),
+      option<&O::label>({.text = "Of the colour bar: what is shown", .from_data = "what `color_by` says"}),
+      option<&O::unit>({.text = "Of what is shown, at the colour bar", .unit = "unit"}),
+      option<&O::title>({.text = "Above the picture"})};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
+void FlowPictureOptions::validate() const {
+  trace.validate();
+  validate_options(*this);
+  look.validate();
+  if (const auto known = transfer_function_presets();
+      !volume_preset.empty() && std::find(known.begin(), known.end(), volume_preset) == known.end())
+    throw ArgumentError(ArgumentFault{.field = "volume_preset",
+                                      .value = "'" + printable(volume_preset, 60) + "'",
+                                      .allowed = fmt::format("one of {}", fmt::join(known, ", ")),
+                                      .remedy = {}});
+  if (smooth && !options_set(streaks).empty())
+    throw ArgumentError(fmt::format("`{}` means nothing with `smooth`", options_set(streaks)[0]));
+  if (frames && smooth && turn == 0) throw ArgumentError("`frames` moves streaks: with `smooth` it needs `turn`");
+  if ((!label.empty() || !unit.empty()) && (!bar || color_by == "none"))
+    throw ArgumentError(
+        "`label` and `unit` stand at the colour bar: not with `bar = false`, nor with `color_by = none`");
+}
+
+void check_colors(const FlowModel& flow, const FlowPictureOptions& options) {
+  if (options.in_volume() && !flow.volume())
+    throw ArgumentError("`volume` and `iso` need a flow of a file, and a steady one");
+  color_array(flow, options.color_by);
+}
+
+FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
+                                 std::vector<PictureSurface> beside, const UsePicture& use, Progress& progress) {
+  options.validate();
+  check_colors(flow, options);
+  SurfacePictures pictures(flow, options, progress);
+  pictures.stand_beside(std::move(beside));
+  for (int k = 0; k < options.frames.value_or(1); ++k) {
+    const Image image = [&] {
+      try {
+        return pictures.at(k);
+      } catch (const DataError& error) {
+        throw flow.error(error);
+      }
+    }();
+    use(k, image, pictures.look());
+  }
+  return pictures.result();
+}
+
+}  // namespace sansmesh

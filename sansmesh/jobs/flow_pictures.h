@@ -1,0 +1,70 @@
+// Pictures of surfaces of a flow, with streaks that run along it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/note.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/image.h"
+#include "sansmesh/jobs/flow_model.h"
+#include "sansmesh/jobs/flow_surface.h"
+#include "sansmesh/render/flow_texture.h"
+#include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/render/render_options.h"
+#include "sansmesh/render/volume_options.h"
+#include "sansmesh/schema/option.h"
+
+namespace sansmesh {
+
+struct FlowPictureOptions {
+  TraceSurfaceOptions trace = {};
+
+  bool smooth = false;                ///< without streaks
+  FlowTextureOptions streaks = {};    ///< its `phase` follows from the frame
+  bool splats = false;                ///< particles as discs that blend, not the mesh
+  double opacity = 1;                 ///< of the surface where it is seen at right angles, 0..1
+  std::optional<double> arrows = {};  ///< along the flow, so far apart (length); 0: as its size suggests
+  std::string color_by = "time";      ///< time, speed, seed, none, or an array of a steady volume
+  std::optional<int> frames = {};     ///< so many, in which the streaks move with the flow; default: one picture
+  double turn = 0;                    ///< degrees that the view goes around in them, −3600..3600
+
+  std::string volume = {};            ///< array of a steady volume that is seen through around it
+  std::string volume_preset = {};     ///< its colours and opacities
+  double volume_opacity = 1;          ///< multiplies its opacity
+  std::vector<IsoSurface> isos = {};  ///< of that array, else of the speed
+
+  bool bar = true;          ///< colour bars
+  std::string label = {};   ///< of that of the surface; default: `color_by`
+  std::string unit = {};    ///< of what is shown
+  std::string title = {};   ///< above the picture
+  RenderOptions look = {};  ///< its width is that of picture and bars together
+  bool any_view = true;     ///< nobody chose the view: that of a single layer looks straight at it
+
+  /// Without `look`.
+  static const OptionSchema& schema();
+  /// Throws ArgumentError for bad options, and for such as mean nothing together.
+  void validate() const;
+  bool in_volume() const { return !volume.empty() || !isos.empty(); }
+};
+
+struct FlowPicturesResult {
+  FlowSurfaceReport surface;
+  int width = 0, height = 0;  ///< of each picture
+  std::vector<Note> notes;    ///< those of trace_surface; "reconstruction"
+};
+
+/// Throws ArgumentError for what the flow has not, before long work.
+void check_colors(const FlowModel& flow, const FlowPictureOptions& options);
+
+/// Called for each picture, in their order, with the options that it was made with beside its bars.
+using UsePicture = std::function<void(int frame, const Image& image, const RenderOptions& made_with)>;
+/// `beside`: what stands in the same picture. Throws ArgumentError for bad options, DataError that begins with the
+/// flow's source; Cancelled.
+FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
+                                 std::vector<PictureSurface> beside, const UsePicture& use, Progress& progress);
+
+}  // namespace sansmesh

@@ -1,0 +1,53 @@
+#include "sansmesh/jobs/flow_surface.h"
+
+#include <fmt/core.h>
+
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/core/number_words.h"
+
+namespace sansmesh {
+
+const OptionSchema& TraceSurfaceOptions::schema() {
+  using O = TraceSurfaceOptions;
+  static const OptionRow rows[] = {option<&O::seeds>({.text = kSeedsText, .unit = "seeds"}),
+                                   option_group<&O::surface>(FlowSurfaceOptions::schema().rows)};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
+void TraceSurfaceOptions::validate() const {
+  if (seeds.empty()) throw ArgumentError("`seeds` is needed: a curve such as line(0,0,0, 1,0,0, 100)");
+  surface.validate();
+}
+
+TraceSurfaceResult trace_surface(const FlowModel& flow, const TraceSurfaceOptions& options, Progress& progress) {
+  options.validate();
+  TraceSurfaceResult result;
+  FlowSurfaceOptions o = options.surface;
+  if (!o.kind) o.kind = flow.unsteady() ? FlowSurfaceKind::path : FlowSurfaceKind::stream;
+  const Seeds seeds = flow.seed_curve(options.seeds, result.notes);
+  if (!o.seeds && seeds.file.empty()) o.seeds = seeds.points.size();
+  try {
+    result.surface = flow_surface(flow.field(), {seeds.points, seeds.closed}, o, progress);
+  } catch (const DataError& error) {
+    throw flow.error(error);
+  }
+  for (Note& note : flow.step_notes()) result.notes.push_back(std::move(note));
+  const auto note = [&](const char* code, std::string text, const char* remedy = "") {
+    result.notes.push_back({.code = code, .text = std::move(text), .remedy = remedy, .of = flow.source()});
+  };
+  const FlowSurfaceReport& r = result.surface.report;
+  if (!r.complete && r.moments_meet)
+    note("moments_meet", "ended where fronts are so near in time that their moments are the same number",
+         "a `start` nearer to 0 tells them apart");
+  else if (!r.complete)
+    note("too_many", "ended after as many fronts or particles as are allowed", "`time` or `length` gives an end");
+  if (const std::size_t outside = r.ends[static_cast<std::size_t>(TraceEnd::outside)]; outside > 0)
+    note("outside",
+         fmt::format("{} of {} began outside of the flow", grouped(outside), counted(r.particles, "particle")));
+  return result;
+}
+
+}  // namespace sansmesh

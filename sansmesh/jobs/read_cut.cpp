@@ -1,0 +1,98 @@
+#include "sansmesh/jobs/read_cut.h"
+
+#include <fmt/core.h>
+
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/deform/mesh_occluder.h"
+#include "sansmesh/deform/planar_occluder.h"
+#include "sansmesh/io/io.h"
+
+namespace sansmesh {
+namespace {
+
+[[noreturn]] void bad_cut(const std::string& text, const std::string& cause) {
+  throw ArgumentError(fmt::format("`cut` {}: {}", printable(text, 60), cause));
+}
+
+std::string_view without_blanks(std::string_view text) {
+  while (text.starts_with(' ')) text.remove_prefix(1);
+  while (text.ends_with(' ')) text.remove_suffix(1);
+  return text;
+}
+
+std::vector<std::string_view> parts_between(std::string_view text, char between) {
+  std::vector<std::string_view> parts;
+  for (std::size_t at = 0;;) {
+    const std::size_t end = text.find(between, at);
+    parts.push_back(text.substr(at, end == std::string_view::npos ? end : end - at));
+    if (end == std::string_view::npos) return parts;
+    at = end + 1;
+  }
+}
+
+std::vector<Vec3> vectors_of(const std::string& text, std::string_view words) {
+  std::vector<Vec3> vectors;
+  for (const std::string_view part : parts_between(words, ';')) {
+    const std::vector<std::string_view> numbers = parts_between(part, ',');
+    Vec3 v;
+    bool read = numbers.size() == 3;
+    for (std::size_t k = 0; k < 3 && read; ++k) {
+      std::string_view word = without_blanks(numbers[k]);
+      if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
+      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), v[k]);
+      read = error == std::errc() && end == word.data() + word.size() && std::isfinite(v[k]);
+    }
+    if (!read) bad_cut(text, fmt::format("'{}' is not x,y,z", without_blanks(part)));
+    vectors.push_back(v);
+  }
+  return vectors;
+}
+
+/// Calls; what is wrong with its numbers is said of the cut.
+template <class Make>
+std::shared_ptr<const Occluder> made(const std::string& text, Make make) {
+  try {
+    return make();
+  } catch (const ArgumentError& error) {
+    bad_cut(text, error.what());
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const Occluder> read_cut(const std::string& text, const Box3& domain) {
+  const std::string_view all = without_blanks(text);
+  const auto inner = [&](std::string_view name) -> std::optional<std::string_view> {
+    if (!all.starts_with(name) || all.size() < name.size() + 2 || all[name.size()] != '(') return std::nullopt;
+    if (all.back() != ')') bad_cut(text, "there is no ')' at its end");
+    return all.substr(name.size() + 1, all.size() - name.size() - 2);
+  };
+  if (const auto words = inner("half-plane")) {
+    const std::vector<Vec3> v = vectors_of(text, *words);
+    if (v.size() != 3)
+      bad_cut(text, "a half-plane is a point of its edge; its normal; and the direction it extends in");
+    return made(text, [&] { return half_plane(v[0], v[1], v[2]); });
+  }
+  if (const auto words = inner("polygon")) {
+    std::vector<std::vector<Vec3>> loops;
+    for (const std::string_view loop : parts_between(*words, '|')) loops.push_back(vectors_of(text, loop));
+    return made(text, [&] { return polygon_occluder(loops); });
+  }
+  if (all.find('(') != std::string_view::npos)
+    bad_cut(text, "neither half-plane(…), polygon(…) nor the name of a mesh");
+  const std::string file(all);
+  try {
+    return mesh_occluder(read_mesh(file), {.domain = domain});
+  } catch (const ArgumentError& error) {
+    throw FileError(file, error.what());
+  }
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,159 @@
+#include "sansmesh/jobs/read_deformation.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <charconv>
+#include <memory>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+#include "sansmesh/deform/handle_file.h"
+#include "sansmesh/io/io.h"
+#include "sansmesh/io/read_volume.h"
+#include "sansmesh/jobs/read_cut.h"
+
+namespace sansmesh {
+namespace {
+
+constexpr std::size_t kUsualHandles = 30;  // of registered pairs
+constexpr double kCutRoom = 0.25;          // around handles, where ways around meshes are found
+
+std::vector<std::string> comma_parts(const std::string& text) {
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(',', at), text.size());
+    parts.push_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return parts;
+}
+
+template <class List, class Write>
+std::string with_commas(const List& list, Write write) {
+  std::string text;
+  for (const auto& one : list) text += (text.empty() ? "" : ",") + write(one);
+  return text;
+}
+
+/// "before.ply,after.ply"
+struct TwoFiles {
+  static constexpr auto kind = OptionKind::text;
+  static OptionValue get(const std::vector<std::string>& files) {
+    return with_commas(files, [](const std::string& file) { return file; });
+  }
+  static std::vector<std::string> from(const OptionValue& value) {
+    const auto& text = std::get<std::string>(value);
+    return text.empty() ? std::vector<std::string>() : comma_parts(text);
+  }
+};
+
+/// "10,200"
+struct VertexNumbers {
+  static constexpr auto kind = OptionKind::text;
+  static OptionValue get(const std::vector<std::uint32_t>& vertices) {
+    return with_commas(vertices, [](std::uint32_t v) { return std::to_string(v); });
+  }
+  static std::vector<std::uint32_t> from(const OptionValue& value) {
+    std::vector<std::uint32_t> vertices;
+    const auto& text = std::get<std::string>(value);
+    if (text.empty()) return vertices;
+    for (std::string word : comma_parts(text)) {
+      word.erase(0, word.find_first_not_of(' '));
+      word.erase(word.find_last_not_of(' ') + 1);
+      std::uint32_t v = 0;
+      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), v);
+      if (error != std::errc() || end != word.data() + word.size())
+        throw ArgumentError(ArgumentFault{.field = {},
+                                          .value = "'" + printable(word, 60) + "'",
+                                          .allowed = "numbers of vertices, which count from 0",
+                                          .remedy = {}});
+      vertices.push_back(v);
+    }
+    return vertices;
+  }
+};
+
+std::vector<Handle> pair_handles(const DeformationInput& input) {
+  const PointSet before = read_points(input.handles_from[0]), after = read_points(input.handles_from[1]);
+  const std::vector<std::uint32_t> vertices =
+      input.vertices.empty() ? spread_vertices_of(before, input.handle_count.value_or(kUsualHandles)) : input.vertices;
+  try {
+    return handles_of_pair(before, after, vertices);
+  } catch (const ArgumentError& error) {
+    throw ArgumentError(fmt::format("`handles_from`: {},{}: {}", printable(input.handles_from[0], 100),
+                                    printable(input.handles_from[1], 100), error.what()));
+  }
+}
+
+std::shared_ptr<const DisplacementMap> read_map(const std::string& file) {
+  const GridData data = read_volume(file);
+  if (data.blocks.size() != 1) throw FileError(file, "a displacement map is a single lattice");
+  try {
+    return std::make_shared<const DisplacementMap>(displacement_map_of(data.blocks[0]));
+  } catch (const DataError& error) {
+    throw FileError(file, error.what());
+  } catch (const ArgumentError& error) {
+    throw FileError(file, error.what());
+  }
+}
+
+}  // namespace
+
+const OptionSchema& DeformationInput::schema() {
+  using O = DeformationInput;
+  static const OptionRow rows[] = {
+      option<&O::handles>({.text = "Where places went: JSON, or a table px,py,pz,qx,qy,qz[,weight]", .unit = "file"}),
+      option<&O::handles_from, TwoFiles>(
+          {.text = "Two meshes whose vertices correspond: before.ply,after.ply", .unit = "a,b"}),
+      option<&O::vertices, VertexNumbers>(
+          {.text = "Of `handles_from`: which vertices are handles, counted from 0: 10,200",
+           .unit = "numbers",
+           .needs = "handles_from"}),
+      option<&O::handle_count>({.text = "Instead: so many, far from each other",
+                                .from_data = "30",
+                                .range = at_least(1),
+                                .needs = "handles_from",
+                                .excludes = "vertices"}),
+      option<&O::map>(
+          {.text = "Instead of handles: a displacement map (.vti, as `displacement_map` writes it)", .unit = "file"}),
+      option_group<&O::by>(MlsDeformationOptions::schema().rows),
+      option<&O::cuts>({.text = "What handles do not reach through: 'half-plane(POINT; NORMAL; INTO)' with the edge "
+                                "through POINT across INTO, 'polygon(x,y,z; x,y,z; …)', or a mesh; may be repeated",
+                        .unit = "cut",
+                        .name = "cut"})};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
+void DeformationInput::validate() const {
+  validate_options(*this);
+  if (!handles.empty() + !handles_from.empty() + !map.empty() != 1)
+    throw ArgumentError("one of `handles`, `handles_from` and `map` says how to deform");
+  if (!handles_from.empty() && handles_from.size() != 2)
+    throw ArgumentError("`handles_from` takes two files: before.ply,after.ply");
+  const MlsDeformationOptions usual;
+  if (by.damping != usual.damping && cuts.empty()) throw ArgumentError("`cut_damping` needs `cut`");
+  if (!map.empty() && !cuts.empty()) throw ArgumentError("`cut` is of handles: a map has its gaps in the file");
+  if (!map.empty() && !options_set(by).empty())
+    throw ArgumentError(fmt::format("`{}` is of handles: not with `map`", options_set(by)[0]));
+  if (by.degree != usual.degree && by.kind != DeformationKind::nonlinear)
+    throw ArgumentError("`degree` needs `kind = nonlinear`");
+}
+
+Deformation read_deformation(const DeformationInput& input, Progress& progress) {
+  input.validate();
+  progress.begin("read");
+  if (!input.map.empty()) return Deformation(read_map(input.map), input.map);
+  const bool pair = input.handles.empty();
+  std::vector<Handle> handles = pair ? pair_handles(input) : read_handles(input.handles);
+  Box3 domain;
+  for (const Handle& h : handles)
+    for (const Vec3& x : {h.p, h.q, h.p_end.value_or(h.p), h.q_end.value_or(h.q)}) domain.extend(x);
+  std::vector<std::shared_ptr<const Occluder>> cuts;
+  for (const std::string& text : input.cuts) cuts.push_back(read_cut(text, with_room(domain, kCutRoom)));
+  return Deformation(std::move(handles), input.by, std::move(cuts),
+                     pair ? input.handles_from[0] + "," + input.handles_from[1] : input.handles);
+}
+
+}  // namespace sansmesh
