@@ -26,7 +26,6 @@ constexpr FlagOfField kFlags[] = {{"max_depth", "--depth"},
                                   {"range", "--color-range"},
                                   {"classes", "--class"},
                                   {"fill_values", "--fill-value"},
-                                  {"opacity_scale", "--opacity"},
                                   {"stiffness_damping", "--damping"},
                                   {"frames_per_second", "--fps"}};
 
