@@ -104,7 +104,7 @@ std::string what_of(const OptionRow& row, const std::string& usual, const Schema
 void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool value, const SchemaOptions& how) {
   const std::string negative = row.negative.empty() ? "no_" + std::string(row.name) : std::string(row.negative);
   std::string what = sentence_of(row, value || row.negative_text.empty() ? row.text : row.negative_text, how);
-  if (!row.from_data.empty()) what += " [" + std::string(row.from_data) + "]";
+  if (value && !row.from_data.empty()) what += " [" + std::string(row.from_data) + "]";
   OptionEntry& entry = c.add_entry(flag_of_name(value ? row.name : std::string_view(negative)), Kind::flag, what);
   entry.group = how.group;
   entry.row = &row;

@@ -26,7 +26,7 @@ constexpr OptionRow kRows[] = {
         {.text = "Use given ones as they are, estimate new ones, or auto (turn given ones if need be)",
          .choices = kNormals}),
     option<&CloudUse::orient_by>(
-        {.text = "From what normals get their signs; auto: the first that is known", .choices = kOrientByWords}),
+        {.text = "From what normals get their signs (auto: the first that is known)", .choices = kOrientByWords}),
     option<&CloudUse::align>({.text = "Move scans that do not quite fit together onto each other"}),
     option<&CloudUse::remove_outliers>({.text = "Leave out samples that belong to no surface, such as strays"}),
     option<&CloudUse::classes, ClassWords>(
