@@ -110,6 +110,7 @@ void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool val
   entry.row = &row;
   // Of a pair, one can be given.
   if (value && row.optional) entry.excludes = flag_of_name(negative);
+  if (value && !row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
   entry.field = value ? std::string(row.name) : std::string(row.name) + " = false";
   entry.use = [&row, owner, value](const std::vector<std::string>&) { set_option(row, owner, value); };
 }

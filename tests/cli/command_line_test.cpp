@@ -226,6 +226,20 @@ TEST_F(CommandLineTool, SaysWhatMayHaveBeenMeant) {
   expect_line({"info", "scnas/scan.ply"}, "scnas/scan.ply: no such file (did you mean 'scans'?)", 1);
 }
 
+/// Names that options and commands had are understood, and warned of.
+TEST_F(CommandLineTool, OldNamesAreUnderstood) {
+  write_points(path("scan.ply"), sphere(100));
+  for (const auto& [line, now] : std::vector<std::pair<Words, std::string>>{
+           {{"normals", "scan.ply", "-o", "a.ply", "--keep"}, "--keep is now called --orient-only"},
+           {{"evaluate", "scan.ply"}, "evaluate is now called assess"},
+           {{"flow", "lines", "rotation", "-o", "l.csv", "--seeds", "point(0.5,0,0)", "--time", "1"},
+            "--time is now called --duration"}}) {
+    const Outcome outcome = run(line);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE((outcome.out + outcome.err).find(now), std::string::npos) << outcome.out << outcome.err;
+  }
+}
+
 /// With --json what went wrong is data, too.
 TEST_F(CommandLineTool, ErrorsAreDataWhereTheyAreWanted) {
   write_points(path("scan.ply"), sphere(100));
