@@ -4,6 +4,7 @@
 #include <cctype>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 
 #include "command_line.h"
 #include "flags.h"
@@ -150,6 +151,11 @@ void add_schema(CommandLine& c, const OptionSchema& schema, void* options, const
   const auto among = [](const std::vector<std::string_view>& names, std::string_view name) {
     return std::find(names.begin(), names.end(), name) != names.end();
   };
+  std::vector<std::string_view> names;
+  for_each_option(schema, options, [&](const OptionRow& row, void*) { names.push_back(row.name); });
+  for (const auto* const list : {&how.only, &how.without})
+    for (const std::string_view name : *list)
+      if (!among(names, name)) throw std::logic_error("no option is called " + std::string(name));
   for_each_option(schema, options, [&](const OptionRow& row, void* owner) {
     if ((how.only.empty() || among(how.only, row.name)) && !among(how.without, row.name)) add_row(c, row, owner, how);
   });

@@ -23,7 +23,7 @@ struct SchemaOptions {
 
 /// Adds an option for each row, `max_degree` as --max-degree. A flag that is on by itself gets the one that turns it
 /// off, --no-enhance; one that follows from the data gets both. `options` must live until the command has run; what it
-/// holds when this is called is what help calls the usual value.
+/// holds when this is called is what help calls the usual value. Throws std::logic_error for names that are no rows.
 void add_schema(CommandLine& command, const OptionSchema& schema, void* options, const SchemaOptions& how = {});
 template <HasSchema T>
 void add_schema(CommandLine& command, T& options, const SchemaOptions& how = {}) {

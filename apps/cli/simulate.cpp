@@ -227,7 +227,7 @@ Command add_simulate(CommandLine& app) {
       .group(body);
   add_schema(c, a.options,
              {.group = body, .only = {"model", "stiffness", "young", "poisson", "damping", "density", "unit"}});
-  add_schema(c, a.options, {.group = "Time", .only = {"time", "fps", "frames", "integrator", "step"}});
+  add_schema(c, a.options, {.group = "Time", .only = {"duration", "fps", "frames", "integrator", "longest_step"}});
   const char* const seen = "Volume";
   c.add_option("--volume", a.volume_file, "Volume that moves with the tetrahedra, for pictures")
       .type_name("FILE")
