@@ -37,7 +37,7 @@ struct DeformArguments {
   VolumeColors colors;
   std::vector<std::string> clips;
   std::string output, unit, background = "gradient";
-  bool ascii = false, all_arrays = false, no_shading = false, no_bar = false;
+  bool ascii = false, all_arrays = false, no_bar = false;
 
   DeformAim aim() const {
     if (output.ends_with(".png")) return DeformAim::picture;
@@ -195,7 +195,7 @@ Deformed deform_volume(DeformArguments& a, const Deformation& deformation, Conso
   if (picture) {
     a.colors.put_into(look);
     for (const std::string& text : a.clips) look.cuts.push_back(volume_cut_of(text));
-    look.shading = !a.no_shading, look.color_bar = !a.no_bar;
+    look.color_bar = !a.no_bar;
     look.validate();
   }
   VolumeModel volume = a.input.open(console);
@@ -319,7 +319,7 @@ Command add_deform(CommandLine& app) {
       .type_name("PLACE")
       .repeated()
       .group(volumes);
-  c.add_flag("--no-shading", a.no_shading, "Colours as the transfer function has them, without light").group(volumes);
+  add_schema(c, a.options.look, {.group = volumes, .only = {"shading"}});
   c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group(volumes);
 
   add_schema(c, a.options, {.group = "Picture", .only = {"exact", "draw_handles", "draw_folds"}});

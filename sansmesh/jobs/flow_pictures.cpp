@@ -236,28 +236,6 @@ class SurfacePictures {
   FlowPicturesResult result_;
 };
 
-/// Texts "V", "V:#rrggbb", "V:#rrggbb:OPACITY" for iso-surfaces.
-struct IsoWords {
-  static constexpr auto kind = OptionKind::texts;
-  static OptionValue get(const std::vector<IsoSurface>& isos) {
-    std::vector<std::string> words;
-    for (const IsoSurface& iso : isos) {
-      std::string text = fmt::format("{}", iso.value);
-      if (iso.color)
-        text +=
-            fmt::format(":#{:02x}{:02x}{:02x}", to_byte(iso.color->x), to_byte(iso.color->y), to_byte(iso.color->z));
-      if (iso.opacity != 1) text += fmt::format("{}:{}", iso.color ? "" : ":", iso.opacity);
-      words.push_back(text);
-    }
-    return words;
-  }
-  static std::vector<IsoSurface> from(const OptionValue& value) {
-    std::vector<IsoSurface> isos;
-    for (const std::string& text : std::get<std::vector<std::string>>(value)) isos.push_back(iso_surface_of(text));
-    return isos;
-  }
-};
-
 }  // namespace
 
 const OptionSchema& FlowPictureOptions::schema() {
@@ -288,10 +266,10 @@ const OptionSchema& FlowPictureOptions::schema() {
                                  .usual_words = transfer_function_presets()}),
       option<&O::volume_opacity>(
           {.text = "Multiplies its opacity", .unit = "factor", .range = {0, 1000}, .needs = "volume"}),
-      option<&O::isos, IsoWords>({.text = "Surface of a value of that array (else of the speed): V, V:#rrggbb, "
-                                          "V:#rrggbb:OPACITY; may be repeated",
-                                  .unit = "value",
-                                  .name = "iso"}),
+      option<&O::isos>({.text = "Surface of a value of that array (else of the speed): V, V:#rrggbb, "
+                                "V:#rrggbb:OPACITY; may be repeated",
+                        .unit = "value",
+                        .name = "iso"}),
       option<&O::bar>({.text = "Without the colour bar"}),
       option<&O::label>({.text = "Of the colour bar: what is shown", .from_data = "what `color_by` says"}),
       option<&O::unit>({.text = "Of what is shown, at the colour bar", .unit = "unit"}),

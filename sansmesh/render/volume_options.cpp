@@ -67,22 +67,6 @@ struct PresetWords {
   }
 };
 
-struct IsoWords {
-  static constexpr auto kind = OptionKind::texts;
-  static OptionValue get(const std::vector<IsoSurface>& isos) {
-    std::vector<std::string> words;
-    words.reserve(isos.size());
-    for (const IsoSurface& i : isos)
-      words.push_back(fmt::format("{}:{}:{}", i.value, i.color ? hex_of_color(*i.color) : "", i.opacity));
-    return words;
-  }
-  static std::vector<IsoSurface> from(const OptionValue& value) {
-    std::vector<IsoSurface> isos;
-    for (const std::string& word : std::get<std::vector<std::string>>(value)) isos.push_back(iso_surface_of(word));
-    return isos;
-  }
-};
-
 struct CutWords {
   static constexpr auto kind = OptionKind::texts;
   static OptionValue get(const std::vector<VolumeCut>& cuts) {
@@ -103,6 +87,10 @@ struct CutWords {
 };
 
 }  // namespace
+
+std::string text_of_option(const IsoSurface& iso) {
+  return fmt::format("{}:{}:{}", iso.value, iso.color ? hex_of_color(*iso.color) : "", iso.opacity);
+}
 
 IsoSurface iso_surface_of(const std::string& text) {
   const auto fail = [&] {
@@ -168,9 +156,9 @@ const OptionSchema& VolumePictureOptions::schema() {
                                  .unit = "factor",
                                  .range = {.least = 0, .most = 1000},
                                  .name = "opacity"}),
-      option<&O::isos, IsoWords>({.text = "Surface of a value: V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated",
-                                  .unit = "value",
-                                  .name = "iso"}),
+      option<&O::isos>({.text = "Surface of a value: V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated",
+                        .unit = "value",
+                        .name = "iso"}),
       option<&O::cuts, CutWords>({.text = "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated",
                                   .unit = "place",
                                   .name = "cut"}),

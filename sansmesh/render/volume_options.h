@@ -4,6 +4,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sansmesh/core/vec.h"
@@ -27,6 +28,9 @@ struct VolumeCut {
 
 /// "V", "V:COLOR", "V:COLOR:OPACITY" or "V::OPACITY", with COLOR as "#rrggbb". Throws ArgumentError.
 IsoSurface iso_surface_of(const std::string& text);
+/// As options of schemas (schema/option.h): as iso_surface_of reads it, to the last digit.
+std::string text_of_option(const IsoSurface& iso);
+inline void option_of_text(std::string_view text, IsoSurface& iso) { iso = iso_surface_of(std::string(text)); }
 /// What is taken away: "x>1.5", "y<0", "-1<z<2", or "NX,NY,NZ>OFFSET" for any direction. Throws ArgumentError.
 VolumeCut volume_cut_of(const std::string& text);
 
