@@ -198,7 +198,8 @@ void VolumeModel::check_scalar() const {
 }
 
 double VolumeModel::value_or_middle(const std::optional<double>& value) const {
-  check_argument(value || array().components == 1, "`value` is needed for arrays of several components");
+  check_argument(value || choice_.component || array().components == 1,
+                 "`value` is needed for arrays of several components");
   return value ? *value : middle_value();
 }
 

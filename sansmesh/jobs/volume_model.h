@@ -88,7 +88,7 @@ class VolumeModel {
   double sample_value(std::size_t i) const;
   /// The middle of the range of the array, or of its component. Throws DataError where it has no finite value.
   double middle_value() const;
-  /// The value, or the middle of the range. Throws ArgumentError where an array of several components needs one.
+  /// The value, or the middle of the range. Throws ArgumentError for vectors, whose lengths have none.
   double value_or_middle(const std::optional<double>& value) const;
   /// Throws ArgumentError where the array has several components and none was chosen.
   void check_scalar() const;

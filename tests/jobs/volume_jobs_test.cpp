@@ -78,6 +78,9 @@ TEST(VolumeModel, OtherArraysGetTheMethodOfTheFirst) {
   EXPECT_EQ(volume.report().options.method, volume.suited(progress).method);
   EXPECT_EQ(volume.field(volume.scalar_choice("f", "color_by"), progress, notes)->components(), 1u);
   EXPECT_THROW(volume.scalar_choice("g", "color_by"), ArgumentError);
+  EXPECT_THROW(volume.value_or_middle({}), ArgumentError);
+  const VolumeModel component = model_of(with_vectors(lattice_grid({4, 4, 4}, noise)), {.array = "where:y"});
+  EXPECT_EQ(component.value_or_middle({}), 0.5);
 }
 
 TEST(VolumeModel, BareGridsAreAnErrorUnlessTheyMayBe) {
