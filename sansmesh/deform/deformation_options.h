@@ -1,4 +1,4 @@
-// What is asked of a deformation by moving least squares.
+// Options of deformations by moving least squares.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What is asked of deformations, of whatever is deformed.
+// Options of deformations, whatever is deformed.
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-// What deformations of all kinds of things share (deform.h).
+// Parts that deformations of all kinds of things share (deform.h).
 #pragma once
 
 #include <string>

@@ -32,6 +32,7 @@ std::vector<CarriedArray> carried_along(const FlowModel& flow, const std::string
       at = end + 1;
     }
   std::vector<CarriedArray> arrays;
+  arrays.reserve(names.size());
   for (const std::string& name : names) arrays.push_back({name, volume->dataset().choose(name, "carry")});
   return arrays;
 }

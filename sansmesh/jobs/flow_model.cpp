@@ -111,11 +111,11 @@ FlowModel FlowModel::series(const std::vector<std::string>& files, const VolumeM
                             const FlowModelOptions& options, Progress& progress) {
   // The first step says which array, which method and, of a file of several, when the others are.
   const bool several = files.size() > 1;
-  VolumeModelOptions first = of_volume;
-  if (!several && first.read.time_step > 0) throw ArgumentError("`time_step`: `unsteady` takes all steps of the file");
+  if (!several && of_volume.read.time_step > 0)
+    throw ArgumentError("`time_step`: `unsteady` takes all steps of the file");
   for (const std::string& file : files)
     if (!std::filesystem::exists(file)) throw FileError(file, "no such file");
-  VolumeModel volume = open_volume({files[0]}, first, progress);
+  VolumeModel volume = open_volume({files[0]}, of_volume, progress);
   const ArrayChoice choice = vectors_of(volume, of_volume.array);
   const DatasetArray array = volume.dataset().array(choice.array);
   volume.naming([&] { check_speeds(array); });

@@ -151,6 +151,7 @@ Deformation read_deformation(const DeformationInput& input, Progress& progress) 
   for (const Handle& h : handles)
     for (const Vec3& x : {h.p, h.q, h.p_end.value_or(h.p), h.q_end.value_or(h.q)}) domain.extend(x);
   std::vector<std::shared_ptr<const Occluder>> cuts;
+  cuts.reserve(input.cuts.size());
   for (const std::string& text : input.cuts) cuts.push_back(read_cut(text, with_room(domain, kCutRoom)));
   return Deformation(std::move(handles), input.by, std::move(cuts),
                      pair ? input.handles_from[0] + "," + input.handles_from[1] : input.handles);

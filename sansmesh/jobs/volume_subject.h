@@ -1,4 +1,4 @@
-// What pictures of a volume need to know of its samples besides fields.
+// Facts of samples that pictures of their volume need, besides fields.
 #pragma once
 
 #include "sansmesh/data/sampled_volume.h"
