@@ -123,6 +123,7 @@ void run_render(const RenderArguments& a, Console& console) {
   ReadReport read;
   const std::vector<CloudInput> inputs = inputs_of(a, options);
   std::vector<PictureObject> objects;
+  objects.reserve(inputs.size());
   for (const CloudInput& input : inputs)
     objects.push_back(open_object(input, !options.surface && !options.splats, console, read));
   WrittenPictures written;

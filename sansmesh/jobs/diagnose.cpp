@@ -63,6 +63,7 @@ std::vector<Image> draw_places(const DiagnoseResult& made, RenderOptions options
   }
   const PlacePictures views(made.diagnosis);
   std::vector<Image> pictures;
+  pictures.reserve(made.places.size());
   for (const ListedPlace& p : made.places)
     pictures.push_back(views.of(p.place,
                                 fmt::format("{}  {}\n{}", p.number, suspicion_name(p.place.kind), p.worst_words()),

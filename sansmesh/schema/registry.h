@@ -47,6 +47,7 @@ class Registry {
   std::vector<const Entry*> all() const {
     const std::lock_guard lock(mutex_);
     std::vector<const Entry*> all;
+    all.reserve(entries_.size());
     for (const Entry& entry : entries_) all.push_back(&entry);
     return all;
   }

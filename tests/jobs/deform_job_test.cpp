@@ -215,7 +215,8 @@ TEST(DeformJob, VolumesAreResampledAndSeenThrough) {
   block.kind = GridKind::lattice;
   for (std::size_t k = 0; k < 3; ++k) block.axes[k] = {-2, -1, 0, 1, 2};
   std::vector<float> height, flow;
-  for (int i = 0; i < 125; ++i) height.push_back(static_cast<float>(i / 25) - 2), flow.insert(flow.end(), {0, 3, 4});
+  for (int i = 0; i < 125; ++i)
+    height.push_back(std::floor(0.04f * static_cast<float>(i) + 0.001f) - 2), flow.insert(flow.end(), {0, 3, 4});
   block.point_arrays.set("height", std::move(height));
   block.point_arrays.set("flow", std::move(flow), 3);
   GridData data;

@@ -78,7 +78,7 @@ TEST(EditJob, BringsAMeshUpToDate) {
 
 TEST(EditJob, NamesTheStepAndWhatIsNotOfTheFunction) {
   Progress progress;
-  const auto edited = [&](std::vector<Edit> edits, std::optional<TriangleMesh> mesh = {}) {
+  const auto edited = [&](const std::vector<Edit>& edits, std::optional<TriangleMesh> mesh = {}) {
     edit({.function = ball_function(), .name = "ball.smf", .mesh = std::move(mesh), .mesh_name = "ball.ply"}, edits,
          true, progress);
   };

@@ -108,7 +108,8 @@ TEST(RenderJob, LinesOfACloudAreThoseOfItsSurface) {
   // Points of a plane make none.
   PictureObject plane{.name = "plane.xyz"};
   for (int i = 0; i < 400; ++i)
-    plane.points.positions.push_back({static_cast<float>(i % 20), static_cast<float>(i / 20), 0});
+    plane.points.positions.push_back(
+        {static_cast<float>(i % 20), std::floor(0.05f * static_cast<float>(i) + 0.001f), 0});
   EXPECT_EQ(pictures_of({plane}, options).images.size(), 1u);
 }
 
