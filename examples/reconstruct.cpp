@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
 
     sansmesh::ReconstructOptions options;  // every default is derived from the data
     sansmesh::Progress progress;
-    const auto [mesh, report] = sansmesh::reconstruct(scan, options, progress);
+    const auto [mesh, report, notes] = sansmesh::reconstruct(scan, options, progress);
 
     sansmesh::write_mesh(argv[2], mesh);
     std::printf("%zu points, %g apart -> %zu triangles in %d part(s)\n", scan.size(), report.spacing,

@@ -186,12 +186,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     options.mesh.components.kind = (bits & 128) != 0 ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic;
     fuzz::ends_well([&] {
       Progress progress;
-      const auto [mesh, made] = reconstruct(std::move(points), options, progress);
+      const auto [mesh, made, notes] = reconstruct(std::move(points), options, progress);
       check_mesh(mesh, !options.other_surface() && !made.open);
       demand(std::isfinite(made.spacing) && std::isfinite(made.noise) && std::isfinite(made.mesh_error) &&
                  std::isfinite(made.behind) && std::isfinite(made.open_share) && std::isfinite(made.lost),
              "a number of the report is not finite");
-      for (const std::string& warning : made.warnings) fuzz::check_message(warning);
+      for (const Note& note : notes) fuzz::check_message(note.text);
     });
   }
   return 0;

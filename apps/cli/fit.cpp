@@ -1,4 +1,6 @@
 // sansmesh fit: points in, function file out.
+#include "sansmesh/jobs/fit_function.h"
+
 #include <fmt/core.h>
 
 #include <utility>
@@ -8,7 +10,6 @@
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/io.h"
 #include "schema_options.h"
 
@@ -19,8 +20,7 @@ struct FitArguments {
   CloudInput input;
   std::string output;
   bool without_samples = false;
-  CloudUse cloud;
-  FitOptions options;
+  FitFunctionOptions options;
 };
 
 void run_fit(const FitArguments& a, Console& console) {
@@ -32,43 +32,37 @@ void run_fit(const FitArguments& a, Console& console) {
   PointSet points = a.input.read(console, read);
   const std::size_t given = points.size();
   const CloudScale scale(points);
-  try {
-    PreparedCloud cloud = prepare_cloud(std::move(points), a.cloud, progress);
-    const bool estimated = cloud.estimated_normals;
-    const std::optional<OrientBy> oriented_by = cloud.oriented_by;
-    const std::string alignment = cloud.alignment;
-    const SurfaceFunction function = fit_surface_function(std::move(cloud), a.options, progress);
-    console.warn(a.input.name(), function.warnings);
-    progress.begin("write");
-    write_function(a.output, function, !a.without_samples);
-    progress.finish();
-    const PartitionReport& r = function.field.report();
-    const Placement& place = function.place;
-    console.say(fmt::format("{}: {} ({})", a.input.name(), counted(given, "point"), read.format));
-    console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(scale.spacing),
-                            scale.noise_words(), length(place.to_input(r.accuracy))));
-    console.say("normals " + normals_made(estimated, oriented_by));
-    if (!alignment.empty()) console.say(alignment);
-    console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.functions, "local fit"),
-                            r.depth, grouped(r.creased), a.without_samples ? ", without samples" : ""));
-    if (function.paper)
-      for (const std::string& line : paper_words(*function.paper, r.functions_of_degree)) console.say(line);
-    Json json = {{"input", a.input.json(read, given)}};
-    scale.add_to(json);
-    json["deviation"] = place.to_input(r.noise);
-    json["normals"] = normals_made_json(estimated, oriented_by);
-    json["accuracy"] = place.to_input(r.accuracy);
-    json["depth"] = r.depth;
-    json["fits"] = r.functions;
-    json["fits_of_degree"] = r.functions_of_degree;
-    json["creased"] = r.creased;
-    json["output"] = {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}};
-    if (function.paper) json["paper"] = paper_json(*function.paper);
-    if (a.cloud.align) json["alignment"] = alignment;
-    console.say_json(json);
-  } catch (const DataError& error) {
-    throw FileError(a.input.name(), error.what());
-  }
+  const auto [function, report, notes] =
+      naming(a.input.name(), console, [&] { return fit_function(std::move(points), a.options, progress); });
+  console.note(a.input.name(), notes);
+  progress.begin("write");
+  write_function(a.output, function, !a.without_samples);
+  progress.finish();
+
+  const PartitionReport& r = function.field.report();
+  const Placement& place = function.place;
+  console.say(fmt::format("{}: {} ({})", a.input.name(), counted(given, "point"), read.format));
+  console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(scale.spacing),
+                          scale.noise_words(), length(place.to_input(r.accuracy))));
+  console.say("normals " + normals_made(report.estimated_normals, report.oriented_by));
+  if (!report.alignment.empty()) console.say(report.alignment);
+  console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.functions, "local fit"),
+                          r.depth, grouped(r.creased), a.without_samples ? ", without samples" : ""));
+  if (function.paper)
+    for (const std::string& line : paper_words(*function.paper, r.functions_of_degree)) console.say(line);
+  Json json = {{"input", a.input.json(read, given)}};
+  scale.add_to(json);
+  json["deviation"] = place.to_input(r.noise);
+  json["normals"] = normals_made_json(report.estimated_normals, report.oriented_by);
+  json["accuracy"] = place.to_input(r.accuracy);
+  json["depth"] = r.depth;
+  json["fits"] = r.functions;
+  json["fits_of_degree"] = r.functions_of_degree;
+  json["creased"] = r.creased;
+  json["output"] = {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}};
+  if (function.paper) json["paper"] = paper_json(*function.paper);
+  if (a.options.cloud.align) json["alignment"] = report.alignment;
+  console.say_json(json);
   console.print_timings();
 }
 
@@ -86,8 +80,8 @@ Command add_fit(CommandLine& app) {
   add_cloud_input(c, a->input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a->output, "Function to write: .smf").type_name("FILE").required();
   c.add_flag("--without-samples", a->without_samples, "A smaller file, but parts of it cannot be fitted again");
-  add_schema(c, a->cloud, {.without = {"class"}});
-  add_fit_options(c, a->options);
+  add_schema(c, a->options.cloud, {.without = {"class"}});
+  add_fit_options(c, a->options.fit);
   c.footer(std::string(kReadable) +
            "\n\nExamples:\n"
            "  sansmesh fit scan.ply -o scan.smf\n"

@@ -10,9 +10,11 @@ struct FlagOfField {
 };
 
 /// Where the flag is not the field's name with dashes. Of several, the first that a command has.
-constexpr FlagOfField kFlags[] = {{"range", "--color-range"},         {"classes", "--class"},
-                                  {"fill_values", "--fill-value"},    {"opacity_scale", "--opacity"},
-                                  {"stiffness_damping", "--damping"}, {"frames_per_second", "--fps"}};
+constexpr FlagOfField kFlags[] = {{"range", "--color-range"},
+                                  {"classes", "--class"},
+                                  {"fill_values", "--fill-value"},
+                                  {"stiffness_damping", "--damping"},
+                                  {"frames_per_second", "--fps"}};
 
 /// What the command calls a field; empty if it has no option for it.
 std::string flag_of(std::string_view field, const CommandLine& command) {

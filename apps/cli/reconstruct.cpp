@@ -71,9 +71,9 @@ void run_reconstruct(const ReconstructArguments& arguments, Console& console) {
   PointSet points = arguments.input.read(console, read);
   const InputSize size{points.size(), bounds(points).size(), CloudScale(points)};
 
-  const auto [mesh, report] = naming(arguments.input.name(), console,
-                                     [&] { return reconstruct(std::move(points), arguments.options, progress); });
-  console.warn(arguments.input.name(), report.warnings);
+  const auto [mesh, report, notes] = naming(
+      arguments.input.name(), console, [&] { return reconstruct(std::move(points), arguments.options, progress); });
+  console.note(arguments.input.name(), notes);
 
   arguments.output.write(mesh, progress);
   progress.finish();

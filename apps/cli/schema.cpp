@@ -54,6 +54,7 @@ Json json_of_option(const OptionEntry& option) {
   if (option.is_file() && !option.file_endings().empty()) json["endings"] = option.file_endings();
   if (option.implied) json["implied"] = *option.implied;
   if (!option.excludes.empty()) json["excludes"] = option.excludes;
+  if (!option.old_names.empty()) json["old_names"] = option.old_names;
   if (option.required) json["required"] = true;
   if (option.repeated || option.several) json["repeated"] = true;
   return json;
@@ -141,7 +142,8 @@ Command add_schema_command(CommandLine& app) {
       "Each option has `names`, `kind`, `text` and `group`; where they apply `field` (in errors and bindings), "
       "`value`,\n"
       "`unit`, `usual` (its value where it is not given), `from_data`, `range`, `choices`, `numbers`, `endings`,\n"
-      "`implied`, `excludes`, `required` and `repeated`. Ends of a range that are null are infinite; those of `above`\n"
+      "`implied`, `excludes`, `old_names` (understood, and warned of), `required` and `repeated`. Ends of a range that "
+      "are null are infinite; those of `above`\n"
       "and `below` are excluded. `surfaces` and `volume_methods` are the methods of --surface and, for volumes, of "
       "--method, with the fields\n"
       "that they use; `formats` the\n"

@@ -3,27 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <utility>
 
 #include "command_line.h"
-#include "sansmesh/core/error.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {
-namespace {
-
-/// Errors of the data, which begin with the name, as those of its files.
-template <class Call>
-auto of_file(const VolumeModel& volume, Console& console, Call call) {
-  try {
-    return call();
-  } catch (const DataError& error) {
-    const std::string text = error.what(), name = printable(volume.name(), 200) + ": ";
-    throw FileError(volume.name(), console.in_flags(text.starts_with(name) ? text.substr(name.size()) : text));
-  }
-}
-
-}  // namespace
 
 Json VolumeInput::json() const { return files.size() == 1 ? Json{{"file", files[0]}} : Json{{"files", files}}; }
 
@@ -72,27 +56,6 @@ Json json_of_volume(const VolumeInput& input, VolumeModel& volume, Progress& pro
   json["grid"] = samples->facts.grid;
   json["notes"] = r.notes;
   return json;
-}
-
-OpenVolume::OpenVolume(const VolumeInput& input, Console& console)
-    : input_(input), console_(console), model_(input.open(console)) {}
-
-std::shared_ptr<const SampledVolume> OpenVolume::samples() {
-  return of_file(model_, console_, [&] { return model_.samples(console_.progress()); });
-}
-
-std::shared_ptr<const VolumeField> OpenVolume::field(const ArrayChoice& choice) {
-  std::vector<Note> notes;
-  auto field = of_file(model_, console_, [&] { return model_.field(choice, console_.progress(), notes); });
-  console_.note(model_.name(), notes);
-  return field;
-}
-
-std::shared_ptr<const Isosurface> OpenVolume::isosurface(double value) {
-  std::vector<Note> notes;
-  auto surface = of_file(model_, console_, [&] { return model_.isosurface(value, console_.progress(), notes); });
-  console_.note(model_.name(), notes);
-  return surface;
 }
 
 bool names_volume(std::vector<std::string>& files) {

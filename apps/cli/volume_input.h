@@ -38,38 +38,6 @@ std::string method_line(const VolumeModel& volume);
 /// "array", "method", "samples", "grid", …
 Json json_of_volume(const VolumeInput& input, VolumeModel& volume, Progress& progress);
 
-/// A volume whose notes are printed as they come. Errors of the data are FileErrors.
-class OpenVolume {
- public:
-  OpenVolume(const VolumeInput& input, Console& console);
-
-  VolumeModel& model() { return model_; }
-  VolumeDataset& dataset() { return model_.dataset(); }
-  const ArrayChoice& choice() const { return model_.choice(); }
-  std::string name() const { return model_.name(); }
-  std::string array_name() const { return model_.array_name(); }
-  std::shared_ptr<const SampledVolume> samples();
-  std::shared_ptr<const VolumeField> field() { return field(choice()); }
-  std::shared_ptr<const VolumeField> field(const ArrayChoice& choice);
-  std::shared_ptr<const Isosurface> isosurface(double value);
-  void say_method() const { console_.say(method_line(model_)); }
-  const ReconstructionReport& report() const { return model_.report(); }
-  double sample_value(std::size_t i) const { return model_.sample_value(i); }
-  Json json() { return json_of_volume(input_, model_, console_.progress()); }
-
- private:
-  const VolumeInput& input_;
-  Console& console_;
-  VolumeModel model_;
-};
-
-/// Of vectors the length, unless a component is said.
-inline ArrayChoice as_scalar(const ArrayChoice& choice, OpenVolume& volume) { return volume.model().as_scalar(choice); }
-/// The array of that name so; `field` is what errors call it.
-inline ArrayChoice scalar_choice(const std::string& name, OpenVolume& volume, const char* field) {
-  return volume.model().scalar_choice(name, field);
-}
-
 /// Whether files that were given to a command of points are a volume: the word `data` before them says so (and is taken
 /// away), or that they can be nothing else.
 bool names_volume(std::vector<std::string>& files);

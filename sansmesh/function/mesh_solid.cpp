@@ -450,7 +450,7 @@ void MeshField::survey(std::span<const Vec3> x, const SurveyReach&, std::span<do
 
 namespace {
 
-const char* const kRemedy = "sansmesh reconstruct makes a closed mesh of it, sansmesh fit a function";
+const char* const kRemedy = "a reconstruction makes a closed mesh of it, a fit a function";
 
 /// Share of the faces beside which the winding number is not that of the surface of a solid: places beside some of
 /// them are asked.

@@ -146,7 +146,7 @@ class Updating {
   }
 
   std::string no_agreement() const {
-    return fmt::format("of the triangles around the changes only {} are as `sansmesh mesh` without options makes them",
+    return fmt::format("of the triangles around the changes only {} are as meshing without options makes them",
                        percent_of(agreement_));
   }
 

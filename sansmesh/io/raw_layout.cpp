@@ -25,9 +25,13 @@ struct SizeWords {
     const char* const end = at + text.size();
     bool good = true;
     for (std::size_t k = 0; k < 3 && good; ++k) {
-      if (k > 0) good = at != end && (*at == 'x' || *at == ',') && (++at, true);
+      if (k > 0) {
+        good = at != end && (*at == 'x' || *at == ',');
+        if (!good) break;
+        ++at;
+      }
       const auto [next, error] = std::from_chars(at, end, sizes[k]);
-      good = good && error == std::errc() && sizes[k] >= 1;
+      good = error == std::errc() && sizes[k] >= 1;
       at = next;
     }
     if (!good || at != end)

@@ -41,14 +41,15 @@ SurfaceOptions surface_options(const ReconstructOptions& options) {
 
 /// A surface that was not made for it, as a mesh: cut out in blocks as fine as the samples where it bends, and cut off
 /// where these end.
-TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& options, Progress& progress,
-                                 ReconstructReport& r) {
+void reconstruct_surface(PointSet points, const ReconstructOptions& options, Progress& progress,
+                         ReconstructResult& result) {
+  ReconstructReport& r = result.report;
   const SurfaceOptions choice = surface_options(options);
   const MeshOptions& asked = options.mesh;
   const SurfaceModel model =
       make_surface_model(prepare(std::move(points), options.cloud, progress, r), choice, progress);
   const SurfaceTraits traits = model.traits();
-  r.warnings = model.warnings();
+  add_notes(result.notes, "preparation", model.warnings());
   r.spacing = model.report().spacing;
   r.noise = model.report().noise;
   const Placement& place = model.place();
@@ -79,7 +80,7 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
   if (trim || !domain.solid() || !traits.closes_holes) meshing.domain = &domain;
   r.open = domain.ends();
   r.block_depth = blocks.depth();
-  TriangleMesh mesh = cut_out(field, blocks, asked, meshing, progress, r);
+  TriangleMesh& mesh = result.mesh = cut_out(field, blocks, asked, meshing, progress, r);
 
   progress.begin("finish mesh");
   finish_mesh(mesh, model.points(), spacing, place.from_input(r.noise), mesh_error, asked, r);
@@ -89,8 +90,8 @@ TriangleMesh reconstruct_surface(PointSet points, const ReconstructOptions& opti
     r.warnings.push_back(lost_samples(r) + kKeepAll);
   }
   move_to_input(mesh, place);
+  add_notes(result.notes, "mesh", r.warnings);
   progress.finish();
-  return mesh;
 }
 
 }  // namespace
@@ -122,7 +123,7 @@ ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options
   ReconstructResult result;
   ReconstructReport& r = result.report;
   if (options.other_surface()) {
-    result.mesh = reconstruct_surface(std::move(points), options, progress, r);
+    reconstruct_surface(std::move(points), options, progress, result);
     return result;
   }
   const SurfaceFunction function =
@@ -139,7 +140,8 @@ ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options
   r.behind = f.behind;
   if (r.most_lost && !r.warnings.empty())
     r.warnings.back() += r.open_share < 1 ? "; `open = true` ends the surface where they end" : kKeepAll;
-  r.warnings.insert(r.warnings.begin(), function.warnings.begin(), function.warnings.end());
+  add_notes(result.notes, "preparation", function.warnings);
+  add_notes(result.notes, "mesh", r.warnings);
   return result;
 }
 

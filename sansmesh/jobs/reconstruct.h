@@ -3,7 +3,9 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "sansmesh/core/note.h"
 #include "sansmesh/core/progress.h"
 #include "sansmesh/data/point_set.h"
 #include "sansmesh/data/triangle_mesh.h"
@@ -48,6 +50,8 @@ struct ReconstructReport : MeshReport {
 struct ReconstructResult {
   TriangleMesh mesh;
   ReconstructReport report;
+  /// "preparation": of the samples; "mesh": what could not be as it was asked for, or samples that have no surface.
+  std::vector<Note> notes;
 };
 
 /// Points (normals are estimated or oriented if need be) → manifold mesh, closed where the surface bounds a solid.

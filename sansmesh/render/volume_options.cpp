@@ -71,6 +71,7 @@ struct IsoWords {
   static constexpr auto kind = OptionKind::texts;
   static OptionValue get(const std::vector<IsoSurface>& isos) {
     std::vector<std::string> words;
+    words.reserve(isos.size());
     for (const IsoSurface& i : isos)
       words.push_back(fmt::format("{}:{}:{}", i.value, i.color ? hex_of_color(*i.color) : "", i.opacity));
     return words;
@@ -86,6 +87,7 @@ struct CutWords {
   static constexpr auto kind = OptionKind::texts;
   static OptionValue get(const std::vector<VolumeCut>& cuts) {
     std::vector<std::string> words;
+    words.reserve(cuts.size());
     for (const VolumeCut& c : cuts) {
       const std::string along = fmt::format("{},{},{}", c.normal.x, c.normal.y, c.normal.z);
       words.push_back(std::isinf(c.thickness) ? fmt::format("{}>{}", along, c.offset)

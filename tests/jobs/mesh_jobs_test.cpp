@@ -54,7 +54,7 @@ TEST(SimplifyJob, OneGoalAtATime) {
   Progress progress;
   EXPECT_THROW(simplify(octasphere(1), {.triangles = 8, .ratio = 0.5}, progress), ArgumentError);
   EXPECT_THROW(simplify(octasphere(1), {.ratio = 1}, progress), ArgumentError);
-  EXPECT_THROW(simplify(octasphere(1), {.shape = 1}, progress), ArgumentError);
+  EXPECT_THROW(simplify(octasphere(1), {.triangle_shape = 1}, progress), ArgumentError);
 }
 
 }  // namespace

@@ -315,7 +315,7 @@ class HardClouds : public ::testing::TestWithParam<HardCloud> {};
 
 TEST_P(HardClouds, GiveManifoldsClosedIfSolid) {
   Progress progress;
-  const auto [mesh, report] = reconstruct(GetParam().make(), {}, progress);
+  const auto [mesh, report, notes] = reconstruct(GetParam().make(), {}, progress);
   const MeshTopology topology = measure_topology(mesh);
   EXPECT_EQ(report.open, GetParam().open);
   EXPECT_EQ(topology.closed(), !GetParam().open);

@@ -26,7 +26,7 @@ TEST_P(ExtraFiles, GiveManifoldsClosedIfSolid) {
   const std::string file = test::shared_points(GetParam().name);
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "an extra: there is no " << file;
   Progress progress;
-  const auto [mesh, report] = reconstruct(read_points(file), {}, progress);
+  const auto [mesh, report, notes] = reconstruct(read_points(file), {}, progress);
   const MeshTopology topology = measure_topology(mesh);
   EXPECT_EQ(report.open, GetParam().open);
   EXPECT_EQ(topology.closed(), !GetParam().open);

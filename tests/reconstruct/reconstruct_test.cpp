@@ -22,7 +22,11 @@ namespace {
 TriangleMesh run(const PointSet& cloud, const ReconstructOptions& options = {}, ReconstructReport* report = nullptr) {
   Progress progress;
   ReconstructResult made = reconstruct(cloud, options, progress);
-  if (report) *report = made.report;
+  if (report) {
+    *report = made.report;
+    report->warnings.clear();
+    for (const Note& note : made.notes) report->warnings.push_back(note.text);
+  }
   return std::move(made.mesh);
 }
 
@@ -372,8 +376,11 @@ TEST(MeshFunction, WritesItsReportAnew) {
   EXPECT_EQ(used.block_depth, fresh.block_depth);
   // Beside what reconstruct adds.
   for (int round = 0; round < 2; ++round) {
-    const ReconstructReport whole = reconstruct(cloud, {}, progress).report;
-    EXPECT_EQ(whole.warnings.size(), 2u);
+    const ReconstructResult made = reconstruct(cloud, {}, progress);
+    const ReconstructReport& whole = made.report;
+    ASSERT_EQ(made.notes.size(), 2u);
+    EXPECT_EQ(made.notes[0].code, "preparation");
+    EXPECT_EQ(made.notes[1].code, "mesh");
     EXPECT_EQ(whole.fits, two.field.report().functions);
     EXPECT_EQ(whole.fit_depth, two.field.report().depth);
     EXPECT_GT(whole.spacing, 0);

@@ -1,0 +1,41 @@
+// Function fitted to points.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/core/note.h"
+#include "sansmesh/core/progress.h"
+#include "sansmesh/data/point_set.h"
+#include "sansmesh/function/surface_function.h"
+#include "sansmesh/points/prepare_cloud.h"
+
+namespace sansmesh {
+
+/// What is done to the samples, and how they become a function.
+struct FitFunctionOptions {
+  CloudUse cloud = {};
+  FitOptions fit = {};
+
+  /// Throws ArgumentError naming the field.
+  void validate() const { fit.validate(); }
+};
+
+struct FitFunctionReport {
+  bool estimated_normals = false;       ///< there were none, or they were not wanted
+  std::optional<OrientBy> oriented_by;  ///< from what the normals got their signs; nothing: from the input
+  std::string alignment;  ///< what was done to scans, in words; empty where nothing was asked for (CloudUse::align)
+};
+
+struct FitFunctionResult {
+  SurfaceFunction function;
+  FitFunctionReport report;
+  std::vector<Note> notes;  ///< "preparation": of the samples
+};
+
+/// Throws DataError where the points cannot be reconstructed (fewer than 9, all coincident, collinear or in a plane),
+/// ArgumentError for bad options, Cancelled.
+FitFunctionResult fit_function(PointSet points, const FitFunctionOptions& options, Progress& progress);
+
+}  // namespace sansmesh
