@@ -2,27 +2,14 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <array>
-#include <limits>
-#include <utility>
 #include <vector>
 
-#include "option_values.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/io.h"
-#include "sansmesh/meshing/mesh_options.h"
-#include "sansmesh/triangulation/block_tree.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {
-
-ComponentChoice parse_components(const std::string& text) {
-  ComponentChoice choice;
-  in_words_of_the_line([&] { option_of_text(text, choice); });
-  return choice;
-}
 
 void require(bool ok, const char* message) {
   if (!ok) throw ArgumentError(message);
@@ -77,14 +64,6 @@ void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
   add_wireframe_options(c, o.picture.options);
 }
 
-void add_color_range(CommandLine& c, std::optional<double>& range, const std::string& group) {
-  c.add_option("--color-range", range,
-               "Curvature that gets the full colour, 1/length or, for gaussian, 1/length² [from data]")
-      .type_name("VALUE")
-      .positive()
-      .group(group);
-}
-
 void add_bar_options(CommandLine& c, bool& no_bar, std::string& unit, const std::string& of) {
   c.add_flag("--no-bar", no_bar, "Without the colour bar").group("Picture");
   c.add_option("--unit", unit, "Of " + of + ", at the colour bar").type_name("UNIT").group("Picture");
@@ -94,15 +73,6 @@ void add_cloud_options(CommandLine& c, CloudUse& o) {
   add_schema(c, o, {.only = {"faces", "normals", "orient_by", "align"}});
 }
 
-void add_orient_by(CommandLine& c, OrientBy& by) {
-  std::vector<std::pair<std::string, OrientBy>> words;
-  for (const OrientBy one :
-       {OrientBy::automatic, OrientBy::scanner, OrientBy::rows, OrientBy::flight, OrientBy::up, OrientBy::propagation})
-    words.emplace_back(orient_by_word(one), one);
-  c.add_choice<OrientBy>("--orient-by", by, words, "From what normals get their signs [auto: the first that is known]")
-      .type_name("CHOICE");
-}
-
 std::string normals_made(bool estimated, const std::optional<OrientBy>& oriented_by) {
   return fmt::format("{}{}", estimated ? "estimated" : "as given",
                      oriented_by ? fmt::format(", oriented {}", orientation_words(*oriented_by)) : "");
@@ -110,17 +80,6 @@ std::string normals_made(bool estimated, const std::optional<OrientBy>& oriented
 
 Json normals_made_json(bool estimated, const std::optional<OrientBy>& oriented_by) {
   return {{"estimated", estimated}, {"oriented_by", oriented_by ? Json(orient_by_word(*oriented_by)) : Json()}};
-}
-
-void add_box_option(CommandLine& c, std::optional<Box3>& box, const std::string& what) {
-  c.add_option_function(
-       "--box",
-       [&box](const std::vector<double>& v) {
-         box = Box3{{v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
-       },
-       what)
-      .numbers(6)
-      .type_name("BOX");
 }
 
 std::vector<std::string> paper_words(const PaperReport& r, const FitsOfDegree& fits) {

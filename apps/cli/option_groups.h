@@ -47,28 +47,20 @@ struct MeshOutput {
 void add_mesh_output(CommandLine& command, MeshOutput& output, bool required = true);
 /// With --quality: what enhancement did to the triangles.
 void say_aspect_ratios(const MeshReport& report, Console& console);
-/// --color-range of curvature
-void add_color_range(CommandLine& command, std::optional<double>& range, const std::string& group);
 /// --no-bar, --unit: what `of` says the unit is of.
 void add_bar_options(CommandLine& command, bool& no_bar, std::string& unit, const std::string& of);
 /// What is done to the samples before a fit: --faces, --normals, --orient-by, --align. (--remove-outliers belongs to
 /// the group Surface.)
 void add_cloud_options(CommandLine& command, CloudUse& use);
-/// --orient-by
-void add_orient_by(CommandLine& command, OrientBy& by);
 /// Where the normals came from, and their signs: "estimated, oriented by flight lines".
 std::string normals_made(bool estimated, const std::optional<OrientBy>& oriented_by);
 /// The same in JSON: an object with `estimated` and `oriented_by`, null for signs of the input.
 Json normals_made_json(bool estimated, const std::optional<OrientBy>& oriented_by);
-/// --box x0,y0,z0,x1,y1,z1
-void add_box_option(CommandLine& command, std::optional<Box3>& box, const std::string& what);
 /// What became of the blocks of `--fit paper`, in two lines.
 std::vector<std::string> paper_words(const PaperReport& report, const FitsOfDegree& fits);
 Json paper_json(const PaperReport& report);
 /// --fit, --depth, --error, --threshold, --coverage, --support, --degree, --smooth
 void add_fit_options(CommandLine& command, FitOptions& options);
-/// auto, all, largest or a number. Throws ValueError.
-ComponentChoice parse_components(const std::string& text);
 /// --components, --trim, --quality, --mesh-error, --triangles, …
 void add_mesh_options(CommandLine& command, MeshOptions& options);
 

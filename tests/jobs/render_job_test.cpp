@@ -1,6 +1,7 @@
 // Pictures of objects: what is chosen, told and refused. What pictures show is told by tests/render and tests/cli.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 #include <string>
 
