@@ -87,7 +87,7 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
         std::vector<std::string>{"--iterations", "4"}, std::vector<std::string>{"--diffusion", "soft"},
         std::vector<std::string>{"--epsilon", "0.8"}, std::vector<std::string>{"--normal", "iterated"},
         std::vector<std::string>{"--plane", "nonlinear"}, std::vector<std::string>{"--polynomial", "3"},
-        std::vector<std::string>{"--flow", "free"}, std::vector<std::string>{"--threshold", "2"},
+        std::vector<std::string>{"--flow", "free"}, std::vector<std::string>{"--diffusion-threshold", "2"},
         std::vector<std::string>{"--tau", "1"}})
     for (std::vector<std::string> command : {reconstruct, render}) {
       command.insert(command.end(), {"--surface", "apss"});

@@ -59,7 +59,7 @@ TEST_F(MeasureCommands, SectionComplaints) {
   for (const char* bad : {"nan", "inf", "-inf"}) {
     expect_failure({"section", "ball.ply", "--axis", "z", "--interval", bad}, 2, "--interval must be finite");
     expect_failure({"section", "ball.ply", "--axis", "z", "--interval", "0.1", "--first", bad}, 2,
-                   "--start must be finite");
+                   "--first must be finite");
     expect_failure({"section", "ball.ply", "--axis", "z", "--first", bad}, 2, "--first must be finite");
   }
   expect_failure({"section", "ball.ply", "--axis", "z", "--first", "0", "--count", "3"}, 2, "--interval");
