@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "sansmesh/model/methods/own_surface_methods.h"
-
 namespace sansmesh {
 
 bool SurfaceMethod::uses_option(std::string_view option) const {

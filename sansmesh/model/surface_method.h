@@ -13,12 +13,13 @@
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/field/scalar_field.h"
-#include "sansmesh/model/surface_options.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/schema/registry.h"
 #include "sansmesh/surface/surface_samples.h"
 
 namespace sansmesh {
+
+struct SurfaceOptions;
 
 /// What consumers need to know of a surface besides its field.
 struct SurfaceTraits {
@@ -70,6 +71,10 @@ struct SurfaceMethod {
   /// Those of the library in the order of sansmesh/model/methods/CMakeLists.txt, then those that programs add.
   static Registry<SurfaceMethod>& registry();
 };
+
+/// Those of each source of sansmesh/model/methods/, in the order of its CMakeLists.txt, from which the definition is
+/// made.
+std::vector<std::span<const SurfaceMethod>> own_surface_methods();
 
 /// By name. Throws ArgumentError naming the choices.
 inline const SurfaceMethod& surface_method(std::string_view name) { return SurfaceMethod::registry().at(name); }

@@ -24,8 +24,9 @@ std::optional<PixelBox> pixel_box_of(std::string_view text) {
     at = next;
     while (at != end && *at == ' ') ++at;
     const bool last = value == &box.height;
-    if (*value < (value == &box.width || last ? 1 : 0) || (last ? at != end : at == end || *at++ != ','))
-      return std::nullopt;
+    if (*value < (value == &box.width || last ? 1 : 0)) return std::nullopt;
+    if (last ? at != end : at == end || *at != ',') return std::nullopt;
+    if (!last) ++at;
   }
   return box;
 }

@@ -11,6 +11,7 @@
 #include "sansmesh/volume/amls_choice.h"
 #include "sansmesh/volume/amls_system.h"
 #include "sansmesh/volume/lattice_polynomials.h"
+#include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/star_metric.h"
 #include "sansmesh/volume/support_blend.h"
 #include "sansmesh/volume/volume_method.h"

@@ -11,6 +11,7 @@
 #include "sansmesh/volume/cell_tetrahedra.h"
 #include "sansmesh/volume/corner_volume.h"
 #include "sansmesh/volume/pointwise_field.h"
+#include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/sample_gradients.h"
 #include "sansmesh/volume/volume_method.h"
 

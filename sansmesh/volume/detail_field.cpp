@@ -8,6 +8,7 @@
 #include "sansmesh/volume/cell_blend.h"
 #include "sansmesh/volume/lattice_polynomials.h"
 #include "sansmesh/volume/local_polynomials.h"
+#include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/support_blend.h"
 #include "sansmesh/volume/volume_locator.h"
 #include "sansmesh/volume/volume_method.h"

@@ -12,6 +12,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/axis_weights.h"
 #include "sansmesh/volume/pointwise_field.h"
+#include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {

@@ -13,6 +13,7 @@
 #include "sansmesh/volume/cell_interpolant.h"
 #include "sansmesh/volume/point_order.h"
 #include "sansmesh/volume/pointwise_field.h"
+#include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {

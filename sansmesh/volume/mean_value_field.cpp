@@ -8,6 +8,7 @@
 #include "sansmesh/volume/corner_volume.h"
 #include "sansmesh/volume/mean_value.h"
 #include "sansmesh/volume/pointwise_field.h"
+#include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {

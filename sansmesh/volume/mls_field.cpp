@@ -16,6 +16,7 @@
 #include "sansmesh/volume/grouped_field.h"
 #include "sansmesh/volume/lattice_polynomials.h"
 #include "sansmesh/volume/mls_kernels.h"
+#include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/sample_stencil.h"
 #include "sansmesh/volume/star_metric.h"
 #include "sansmesh/volume/support_blend.h"

@@ -13,6 +13,7 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/pointwise_field.h"
+#include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/sample_supports.h"
 #include "sansmesh/volume/volume_method.h"
 

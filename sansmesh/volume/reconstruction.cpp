@@ -12,6 +12,7 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/field/scaled_volume.h"
 #include "sansmesh/volume/choose_reconstruction.h"
+#include "sansmesh/volume/reconstruction_input.h"
 
 namespace sansmesh {
 namespace {
@@ -76,11 +77,6 @@ void check_not_lost(const VolumeValues& values, double scale, std::string_view m
 }
 
 }  // namespace
-
-Registry<VolumeMethod>& VolumeMethod::registry() {
-  static Registry<VolumeMethod> methods("reconstruction", own_volume_methods());
-  return methods;
-}
 
 std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
                                                 const ReconstructionOptions& options, Progress& progress,

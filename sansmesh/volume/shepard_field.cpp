@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sansmesh/volume/pointwise_field.h"
+#include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/sample_supports.h"
 #include "sansmesh/volume/volume_method.h"
 

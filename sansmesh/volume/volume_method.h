@@ -7,27 +7,12 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/field/volume_field.h"
 #include "sansmesh/schema/registry.h"
-#include "sansmesh/volume/reconstruction_coefficients.h"
-#include "sansmesh/volume/reconstruction_options.h"
-#include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh {
 
-/// What a method starts from. The options are in range, and none that the method does not use.
-struct ReconstructionInput {
-  std::shared_ptr<const SampledVolume> volume;
-  VolumeValues values;
-  ReconstructionOptions options;
-  Progress& progress;
-  /// `options` are those above until the method puts in what it has chosen; notes about values are there already.
-  ReconstructionReport& report;
-  /// Methods that have some put them in here, or take those that are here already in place of a fit.
-  ReconstructionCoefficients& coefficients;
-};
+struct ReconstructionInput;
 
 /// One reconstruction. Registered once, in its own source: library, command line, help and documentation know it from
 /// there.

@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/model/surface_method.h"
+#include "sansmesh/model/surface_options.h"
 
 namespace sansmesh {
 namespace {

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/volume_method.h"
 
 namespace sansmesh {

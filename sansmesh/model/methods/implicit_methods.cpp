@@ -3,6 +3,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/model/surface_method.h"
+#include "sansmesh/model/surface_options.h"
 #include "sansmesh/surface/implicit_surface.h"
 
 namespace sansmesh {

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "sansmesh/model/surface_method.h"
+#include "sansmesh/model/surface_options.h"
 #include "sansmesh/mpu/mpu_surface.h"
 
 namespace sansmesh {

@@ -4,6 +4,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/model/surface_method.h"
+#include "sansmesh/model/surface_options.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "sansmesh/surface/projection_surface.h"
 

@@ -1,0 +1,10 @@
+#include "sansmesh/volume/volume_method.h"
+
+namespace sansmesh {
+
+Registry<VolumeMethod>& VolumeMethod::registry() {
+  static Registry<VolumeMethod> methods("reconstruction", own_volume_methods());
+  return methods;
+}
+
+}  // namespace sansmesh
