@@ -12,10 +12,11 @@ namespace {
 
 class MeanField : public VolumeField {
  public:
-  explicit MeanField(const ReconstructionInput& input) : box_(input.volume->bounds()), means_(input.values.components) {
-    const std::size_t n = means_.size(), rows = input.values.values.size() / n;
+  MeanField(std::shared_ptr<const SampledVolume> volume, const VolumeValues& samples)
+      : volume_(std::move(volume)), box_(volume_->bounds()), means_(samples.components) {
+    const std::size_t n = means_.size(), rows = samples.values.size() / n;
     for (std::size_t i = 0; i < rows; ++i)
-      for (std::size_t k = 0; k < n; ++k) means_[k] += input.values.values[i * n + k] / static_cast<double>(rows);
+      for (std::size_t k = 0; k < n; ++k) means_[k] += samples.values[i * n + k] / static_cast<double>(rows);
   }
 
   Box3 bounds() const override { return box_; }
@@ -35,11 +36,14 @@ class MeanField : public VolumeField {
   }
 
  private:
+  std::shared_ptr<const SampledVolume> volume_;
   Box3 box_;
   std::vector<double> means_;
 };
 
-std::unique_ptr<VolumeField> make_mean(ReconstructionInput input) { return std::make_unique<MeanField>(input); }
+std::unique_ptr<VolumeField> make_mean(ReconstructionInput input) {
+  return std::make_unique<MeanField>(std::move(input.volume), input.values);
+}
 
 const Registered<VolumeMethod> mean(
     {.name = "mean", .summary = "the mean of all samples", .grids = "all", .make = make_mean});

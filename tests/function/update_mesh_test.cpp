@@ -169,7 +169,7 @@ TEST(UpdateMesh, SaysWhyAllIsMadeAnew) {
   EXPECT_NE(why(before, few).find("number of triangles"), std::string::npos);
   MeshOptions plain;
   plain.enhance = false;
-  EXPECT_NE(why(meshed(editor.function(), plain), {}).find("sansmesh mesh"), std::string::npos);
+  EXPECT_NE(why(meshed(editor.function(), plain), {}).find("meshing without options"), std::string::npos);
   // A mesh that another edit has changed elsewhere.
   FunctionEditor other(editor.function());
   other.apply(edit_in_ball({0, 0, -1}, 0.7, SetConstant{1}), progress);
