@@ -8,6 +8,7 @@
 #include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/io/io.h"
 #include "schema_options.h"
 #include "surface_options.h"
@@ -66,7 +67,7 @@ Command add_project(CommandLine& app) {
   auto shared = std::make_shared<ProjectArguments>();
   ProjectArguments& a = *shared;
   add_cloud_input(c, a.input, "Points to move");  // --class: among the samples of --onto, if given
-  c.add_option("-o,--output", a.output, "Points to write: .ply .obj .xyz .csv .pcd .vtp .las")
+  c.add_option("-o,--output", a.output, "Points to write: " + listed_endings(endings_written(kPoints)))
       .type_name("FILE")
       .required();
   c.add_option("--onto", a.onto.files,

@@ -350,8 +350,8 @@ TEST(Writing, UnknownEndingsNameTheKnownOnes) {
   for (const char* name : {"m.xyz", "m.las", "m", "m.", "m.ply.bak", ".ply/"}) {
     expect_file_error(folder / name, "", [&] { write_mesh(folder / name, made_mesh()); });
   }
-  expect_file_error(folder / "m.xyz", ".ply .obj .stl .off .glb", [&] { check_writable(folder / "m.xyz", "mesh"); });
-  expect_file_error(folder / "p.stl", ".ply .obj .xyz .csv .pcd", [&] { check_writable(folder / "p.stl", "points"); });
+  expect_file_error(folder / "m.xyz", ".ply .obj .off .stl .glb", [&] { check_writable(folder / "m.xyz", "mesh"); });
+  expect_file_error(folder / "p.stl", ".ply .obj .vtp .pcd .las", [&] { check_writable(folder / "p.stl", "points"); });
   expect_file_error(folder / "p.stl", ".ply", [&] { write_points(folder / "p.stl", made_points()); });
   expect_file_error("(no name)", "empty", [&] { write_text("", "x"); });
   EXPECT_THROW(check_writable(folder / "a.ply", "song"), ArgumentError);
