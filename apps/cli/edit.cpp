@@ -130,7 +130,8 @@ Command add_edit(CommandLine& app) {
        "--mesh", a->mesh,
        "The function's mesh before the edits, by `sansmesh mesh` without options: only what they change is made anew")
       .type_name("FILE");
-  c.add_option("--mesh-output", a->mesh_output, "Mesh to write: " + listed_endings(endings_written(kMesh))).type_name("FILE");
+  c.add_option("--mesh-output", a->mesh_output, "Mesh to write: " + listed_endings(endings_written(kMesh)))
+      .type_name("FILE");
   c.footer(
       "A script is {\"version\": 1, \"steps\": [...]}; a step selects supports and says what to do with them:\n"
       "  {\"select\": {\"ball\": {\"center\": [0, 0, 1], \"radius\": 0.2}}, \"degree\": 1}\n"

@@ -122,8 +122,14 @@ class Failure {
     print_error(message_);
     if (json) {
       error_["exit_code"] = code;
-      print_out(Json({{"schema", kReportVersion}, {"error", error_}}).text() + "\n");
-      finish_out();
+      try {
+        print_out(Json({{"schema", kReportVersion}, {"error", error_}}).text() + "\n");
+        finish_out();
+      } catch (const BrokenPipe&) {
+        end_by_broken_pipe();
+      } catch (const FileError&) {  // the line above has said what went wrong first
+        return code;
+      }
     }
     return code;
   }

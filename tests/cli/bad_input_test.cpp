@@ -67,7 +67,11 @@ TEST_P(BadInput, IsOneLineAndLeavesNothing) {
         std::vector<std::string>{"reconstruct", bad.file, "-o", "out.ply", "--json", "--threads", "2"}}) {
     const Outcome outcome = run(command);
     EXPECT_EQ(outcome.code, 1) << outcome.err;
-    EXPECT_EQ(outcome.out, "");
+    const bool json = std::find(command.begin(), command.end(), "--json") != command.end();
+    if (json)
+      EXPECT_EQ(nlohmann::json::parse(outcome.out)["error"]["exit_code"], 1) << outcome.out;
+    else
+      EXPECT_EQ(outcome.out, "");
     std::string last = outcome.err;  // warnings may come before
     while (std::count(last.begin(), last.end(), '\n') > 1) last.erase(0, last.find('\n') + 1);
     EXPECT_EQ(last.find("sansmesh: "), 0u) << outcome.err;

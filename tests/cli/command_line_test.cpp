@@ -176,7 +176,8 @@ TEST_F(CommandLineTool, SaysWhatMayHaveBeenMeant) {
   write("scan.smf", "");
   expect_line({"reconstrcut", "scan.ply"},
               "unknown command 'reconstrcut' (did you mean reconstruct?) (see sansmesh help)");
-  expect_line({"probe", "scan.ply"}, "unknown command 'probe' (did you mean volume probe?) (see sansmesh help)");
+  expect_line({"resample", "scan.ply"},
+              "unknown command 'resample' (did you mean volume resample?) (see sansmesh help)");
   expect_line({"volume", "reasmple"},
               "unknown command 'reasmple' of volume (did you mean resample?) (see sansmesh help volume)");
   expect_line({"scan.ply"},

@@ -24,7 +24,7 @@ using Method = std::string;  // its name
 
 double wavy(const Vec3& x) { return std::sin(3 * x.x + x.y) + 0.5 * std::cos(4 * x.y - 2 * x.z) * x.z; }
 
-ReconstructionOptions by(Method method) {
+ReconstructionOptions by(const Method& method) {
   ReconstructionOptions options;
   options.method = method;
   return options;

@@ -47,7 +47,7 @@ TEST_F(Extension, SurfaceIsKnownEverywhere) {
   const TriangleMesh mesh = read_mesh(path("mesh.ply"));
   EXPECT_TRUE(measure_topology(mesh).manifold());
   for (const Vec3f& v : mesh.vertices) EXPECT_NEAR(norm(v), 1, 0.02);
-  EXPECT_EQ(json_of({"render", "ball.ply", "-o", "ball.png", "--surface", "shepard", "--sharp", "--size",
+  EXPECT_EQ(json_of({"render", "ball.ply", "-o", "ball.png", "--surface", "shepard", "--sharp", "--width",
                      "80"})["surface"]["method"],
             "shepard");
   EXPECT_EQ(run({"project", "ball.ply", "-o", "feet.ply", "--method", "shepard"}).code, 0);

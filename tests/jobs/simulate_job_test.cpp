@@ -55,7 +55,7 @@ TEST(SimulationPlan, TellsErrorsOfTheSceneFromThoseOfOptions) {
   } catch (const SceneError&) {
     FAIL() << "the option says it";
   } catch (const ArgumentError& error) {
-    EXPECT_NE(std::string(error.what()).find("`time`"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("`duration`"), std::string::npos);
   }
   EXPECT_THROW(plan_simulation(small_bar(), {}, {.poisson = 0.7}), ArgumentError);
 }

@@ -379,7 +379,7 @@ TEST(MeshFunction, WritesItsReportAnew) {
     const ReconstructResult made = reconstruct(cloud, {}, progress);
     const ReconstructReport& whole = made.report;
     ASSERT_EQ(made.notes.size(), 2u);
-    EXPECT_EQ(made.notes[0].code, "preparation");
+    EXPECT_EQ(made.notes[0].code, "mesh");
     EXPECT_EQ(made.notes[1].code, "mesh");
     EXPECT_EQ(whole.fits, two.field.report().functions);
     EXPECT_EQ(whole.fit_depth, two.field.report().depth);

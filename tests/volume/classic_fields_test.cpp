@@ -49,7 +49,7 @@ std::vector<Method> all_of_them() {
 
 TEST(ClassicFields, ReproduceConstants) {
   for_each_field([](const Vec3&) { return 3.25; }, all_of_them(),
-                 [](const SampledVolume& volume, const VolumeField& field, Method) {
+                 [](const SampledVolume& volume, const VolumeField& field, const Method&) {
                    const auto x = places_within(volume, 60);
                    std::vector<double> values(x.size());
                    std::vector<Vec3> gradients(x.size());
@@ -65,7 +65,7 @@ TEST(ClassicFields, ReproduceConstants) {
 
 TEST(ClassicFields, ReproduceStraightFunctions) {
   for_each_field(linear_function, std::vector<Method>{"mean-value", "rbf", "bernstein", "cubic", "lagrange"},
-                 [](const SampledVolume& volume, const VolumeField& field, Method) {
+                 [](const SampledVolume& volume, const VolumeField& field, const Method&) {
                    const auto x = places_within(volume, 100);
                    std::vector<double> values(x.size());
                    std::vector<Vec3> gradients(x.size());
@@ -98,49 +98,53 @@ TEST(ClassicFields, NaturalNeighboursReproduceStraightFunctions) {
 }
 
 TEST(ClassicFields, InterpolateTheirSamples) {
-  for_each_field(smooth, all_of_them(), [](const SampledVolume& volume, const VolumeField& field, Method method) {
-    const bool at_corners = method == "mean-value" || method == "bernstein";
-    // Means of those around; and of samples on the faces of coarser cells these cells do not know.
-    if (at_corners && (!volume.cell_sample.empty() || volume.facts.blocks > 1)) return;
-    std::vector<Vec3> x;
-    std::vector<double> f;
-    const Attribute& array = *volume.attributes.find("f");
-    for (std::size_t s = 0; s < volume.size(); s += 3) x.push_back(volume.position(s)), f.push_back(array.number(s));
-    std::vector<double> values(x.size());
-    std::vector<Vec3> gradients(x.size());
-    field.evaluate(x, {values, gradients, {}, {}});
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      ASSERT_NEAR(values[i], f[i], 1e-6) << i;
-      ASSERT_TRUE(is_finite(gradients[i])) << i;
-    }
-  });
+  for_each_field(smooth, all_of_them(),
+                 [](const SampledVolume& volume, const VolumeField& field, const Method& method) {
+                   const bool at_corners = method == "mean-value" || method == "bernstein";
+                   // Means of those around; and of samples on the faces of coarser cells these cells do not know.
+                   if (at_corners && (!volume.cell_sample.empty() || volume.facts.blocks > 1)) return;
+                   std::vector<Vec3> x;
+                   std::vector<double> f;
+                   const Attribute& array = *volume.attributes.find("f");
+                   for (std::size_t s = 0; s < volume.size(); s += 3)
+                     x.push_back(volume.position(s)), f.push_back(array.number(s));
+                   std::vector<double> values(x.size());
+                   std::vector<Vec3> gradients(x.size());
+                   field.evaluate(x, {values, gradients, {}, {}});
+                   for (std::size_t i = 0; i < x.size(); ++i) {
+                     ASSERT_NEAR(values[i], f[i], 1e-6) << i;
+                     ASSERT_TRUE(is_finite(gradients[i])) << i;
+                   }
+                 });
 }
 
 TEST(ClassicFields, GradientsAreThoseOfTheValues) {
-  for_each_field(smooth, all_of_them(), [](const SampledVolume& volume, const VolumeField& field, Method method) {
-    const auto x = places_within(volume, 40);
-    const double h = 1e-6;
-    std::vector<Vec3> shifted;
-    for (const Vec3& p : x)
-      for (std::size_t k = 0; k < 3; ++k)
-        for (const double side : {-h, h}) {
-          shifted.push_back(p);
-          shifted.back()[k] += side;
-        }
-    std::vector<double> values(x.size()), around(shifted.size());
-    std::vector<Vec3> gradients(x.size());
-    field.evaluate(x, {values, gradients, {}, {}});
-    field.evaluate(shifted, {around, {}, {}, {}});
-    std::size_t wrong = 0;
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      Vec3 difference;
-      for (std::size_t k = 0; k < 3; ++k) difference[k] = (around[6 * i + 2 * k + 1] - around[6 * i + 2 * k]) / (2 * h);
-      if (!(norm(gradients[i] - difference) < 1e-3 * (1 + norm(difference)))) ++wrong;
-    }
-    // Of those that are no more than continuous a point may lie within h of a kink.
-    const bool kinks = method == "mean-value" || method == "bernstein" || method == "lagrange";
-    EXPECT_LE(wrong, kinks || volume.in_cells ? 1u : 0u);
-  });
+  for_each_field(smooth, all_of_them(),
+                 [](const SampledVolume& volume, const VolumeField& field, const Method& method) {
+                   const auto x = places_within(volume, 40);
+                   const double h = 1e-6;
+                   std::vector<Vec3> shifted;
+                   for (const Vec3& p : x)
+                     for (std::size_t k = 0; k < 3; ++k)
+                       for (const double side : {-h, h}) {
+                         shifted.push_back(p);
+                         shifted.back()[k] += side;
+                       }
+                   std::vector<double> values(x.size()), around(shifted.size());
+                   std::vector<Vec3> gradients(x.size());
+                   field.evaluate(x, {values, gradients, {}, {}});
+                   field.evaluate(shifted, {around, {}, {}, {}});
+                   std::size_t wrong = 0;
+                   for (std::size_t i = 0; i < x.size(); ++i) {
+                     Vec3 difference;
+                     for (std::size_t k = 0; k < 3; ++k)
+                       difference[k] = (around[6 * i + 2 * k + 1] - around[6 * i + 2 * k]) / (2 * h);
+                     if (!(norm(gradients[i] - difference) < 1e-3 * (1 + norm(difference)))) ++wrong;
+                   }
+                   // Of those that are no more than continuous a point may lie within h of a kink.
+                   const bool kinks = method == "mean-value" || method == "bernstein" || method == "lagrange";
+                   EXPECT_LE(wrong, kinks || volume.in_cells ? 1u : 0u);
+                 });
 }
 
 TEST(ClassicFields, AreContinuousAcrossFaces) {
@@ -174,7 +178,7 @@ TEST(ClassicFields, AreContinuousAcrossFaces) {
 TEST(ClassicFields, AreFiniteAnywhereAndGoOnALittle) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
   const std::vector<Vec3> x{{nan, 0, 0}, {0, infinite, 0}, {1e300, -1e300, 1e300}, {50, 60, 70}, {-0.01, 0.5, 0.5}};
-  for_each_field(smooth, all_of_them(), [&](const SampledVolume& volume, const VolumeField& field, Method) {
+  for_each_field(smooth, all_of_them(), [&](const SampledVolume& volume, const VolumeField& field, const Method&) {
     std::vector<double> values(x.size(), 7), spacings(x.size());
     std::vector<Vec3> gradients(x.size(), {7, 7, 7});
     std::vector<std::uint8_t> inside(x.size(), 7);
@@ -301,7 +305,7 @@ TEST(ClassicFields, SamplesInCellsReachTheSurface) {
        {lattice_grid({8, 8, 8}, smooth), bent_grid({8, 8, 8}, smooth), two_level_amr(8, smooth)}) {
     const auto volume = volume_of(data, Association::cells);
     const auto x = places_within(*volume, 400);
-    const auto worst = [&](Method method) {
+    const auto worst = [&](const Method& method) {
       std::vector<double> values(x.size());
       field_of(volume, method)->evaluate(x, {values, {}, {}, {}});
       double most = 0;
