@@ -42,7 +42,7 @@ std::string volume_command(const VolumeRecommendation& r, const VolumeAdvice& ad
   const bool series = advice.offer.steps > 1;
   const std::string array = advice.array.empty() ? "" : " --array " + shell_word(advice.array);
   std::string flow;
-  // Of several files steps and blocks look the same.
+  // Several files may be steps in time or blocks: nothing tells which.
   if (!advice.flow.empty() && !(series && several))
     flow = fmt::format(" --array {}{}", shell_word(advice.flow), series ? " --unsteady" : "");
   const std::string seeds = advice.seeds ? seeds_words(*advice.seeds) : "";

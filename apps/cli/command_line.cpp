@@ -234,17 +234,6 @@ Option CommandLine::add_flag_callback(const std::string& names, std::function<vo
   return Option(entry);
 }
 
-Option CommandLine::add_words(const std::string& names, std::vector<std::string> words,
-                              std::function<void(std::size_t)> use, const std::string& what) {
-  OptionEntry& entry = add(names, OptionEntry::Kind::text, what);
-  entry.words = std::move(words);
-  entry.use = [&entry, use = std::move(use)](const std::vector<std::string>& given) {
-    use(static_cast<std::size_t>(std::find(entry.words.begin(), entry.words.end(), given.back()) -
-                                 entry.words.begin()));
-  };
-  return Option(entry);
-}
-
 void CommandLine::footer(const std::string& text) { footer_ = text; }
 
 CommandLine& CommandLine::add_subcommand(const std::string& name, const std::string& what) {

@@ -73,20 +73,7 @@ class CommandLine {
   }
   Option add_flag(const std::string& names, bool& variable, const std::string& what);
   Option add_flag_callback(const std::string& names, std::function<void()> use, const std::string& what);
-  /// One of a few words that stand for values of `variable`, an enumeration or an optional one.
-  template <class Value, class Variable>
-  Option add_choice(const std::string& names, Variable& variable,
-                    const std::vector<std::pair<std::string, Value>>& choices, const std::string& what) {
-    std::vector<std::string> words;
-    std::vector<Value> values;
-    for (const auto& [word, value] : choices) {
-      words.push_back(word);
-      values.push_back(value);
-    }
-    return add_words(
-        names, std::move(words), [values, &variable](std::size_t chosen) { variable = values[chosen]; }, what);
-  }
-  /// What help says below the options. Lines after one that is "Examples:" are commands to try.
+  /// Text of the help below the options. Lines after one that is "Examples:" are commands to try.
   void footer(const std::string& text);
 
   /// For what makes options of its own kind (schema_options.h).
@@ -131,8 +118,6 @@ class CommandLine {
   Option add_number_function(const std::string& names, std::function<void(double)> use, const std::string& what);
   Option add_number_function(const std::string& names, std::function<void(std::size_t)> use, const std::string& what);
   OptionEntry& add(const std::string& names, OptionEntry::Kind kind, const std::string& what);
-  Option add_words(const std::string& names, std::vector<std::string> words, std::function<void(std::size_t)> use,
-                   const std::string& what);
 
   std::string name_, what_, footer_, old_name_;
   CommandLine* parent_ = nullptr;

@@ -48,7 +48,7 @@ struct DeformArguments {
   }
 };
 
-/// What the command says of all poses in the end.
+/// Summary of all poses, printed at the end.
 struct Deformed {
   DeformResult result;
   Json input, output;

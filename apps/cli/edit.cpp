@@ -38,7 +38,7 @@ Json step_json(const EditReport& r) {
           {"boxes", boxes}};
 }
 
-/// What was done, and where.
+/// The edit and its place, in words.
 std::string step_words(const EditReport& r) {
   if (r.changed.empty()) return r.what;
   const std::size_t apart = separate_sets(r.regions);

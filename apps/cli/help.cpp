@@ -38,9 +38,8 @@ Command add_help(CommandLine& app) {
       "  sansmesh help volume render");
   return {&c, [words, all, &app](Console&) {
             if (words->size() > 1) {
-              const std::vector<std::string> before(words->begin(), words->end() - 1);
-              const CommandLine* const command = find_command(app, before);
-              const std::string group = command ? help_on_group(*command, words->back()) : "";
+              const CommandLine& command = command_of(app, {words->begin(), words->end() - 1});
+              const std::string group = help_on_group(command, words->back());
               if (!group.empty()) return print_out(group);
             }
             print_out(help_text(command_of(app, *words), *all));

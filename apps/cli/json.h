@@ -14,7 +14,7 @@
 
 namespace sansmesh::cli {
 
-/// Of what --json prints: grows when a key goes or changes its meaning; new ones leave it.
+/// Version of the keys that --json prints. It grows when a key goes or changes its meaning.
 inline constexpr int kReportVersion = 1;
 
 /// A value of JSON; objects keep the order of their fields. Written in braces: a list of pairs that begin with a text

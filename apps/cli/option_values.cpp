@@ -11,26 +11,6 @@
 namespace sansmesh::cli {
 std::string in_quotes(const std::string& word) { return "'" + printable(word, 60) + "'"; }
 
-std::vector<std::string> between_commas(const std::string& text) {
-  std::vector<std::string> parts;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    parts.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
-  return parts;
-}
-
-std::vector<std::string> listed_words(const std::string& list) {
-  std::vector<std::string> words;
-  for (std::size_t at = 0; at < list.size();) {
-    const std::size_t end = std::min(list.find(", ", at), list.size());
-    words.push_back(list.substr(at, end - at));
-    at = end + 2;
-  }
-  return words;
-}
-
 std::string joined_by_or(const std::vector<std::string>& words) {
   std::string text;
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -64,13 +44,9 @@ long long parse_whole(const std::string& word, long long least, long long most) 
 }
 
 bool are_numbers(const std::string& word) {
+  const std::vector<std::string> parts = between_commas(word);
   double value = 0;
-  for (std::size_t at = 0;;) {
-    const std::size_t end = std::min(word.find(',', at), word.size());
-    if (!reads_as_number(word.substr(at, end - at), value)) return false;
-    if (end == word.size()) return true;
-    at = end + 1;
-  }
+  return std::all_of(parts.begin(), parts.end(), [&](const std::string& part) { return reads_as_number(part, value); });
 }
 
 std::string number_wanted(const OptionEntry& o, const std::string& word) {
@@ -86,9 +62,7 @@ std::string number_wanted(const OptionEntry& o, const std::string& word) {
   }
   if (grouped) return ": write " + digits;
   // A number, and a unit behind it, in any of the parts.
-  for (std::size_t at = 0; at < word.size();) {
-    const std::size_t end = std::min(word.find(',', at), word.size());
-    const std::string part = word.substr(at, end - at);
+  for (const std::string& part : between_commas(word)) {
     const std::size_t number = std::min(part.find_first_not_of("+-.0123456789"), part.size());
     if (number > 0 && number < part.size() && reads_as_number(part.substr(0, number), value)) {
       const char* const plural = o.numbers > 0 ? ": plain numbers are wanted" : ": a plain number is wanted";
@@ -99,7 +73,6 @@ std::string number_wanted(const OptionEntry& o, const std::string& word) {
                                   : of == "PIXELS"  ? ", in pixels"
                                                     : "");
     }
-    at = end + 1;
   }
   return "";
 }

@@ -8,16 +8,12 @@
 #include <vector>
 
 #include "option_entry.h"
-#include "sansmesh/core/number_text.h"
+#include "sansmesh/core/option_text.h"
 
 namespace sansmesh::cli {
 
 /// "'deep'", made printable.
 std::string in_quotes(const std::string& word);
-/// The parts of a text between commas.
-std::vector<std::string> between_commas(const std::string& text);
-/// The words of "a, b, c".
-std::vector<std::string> listed_words(const std::string& list);
 /// "a, b or c".
 std::string joined_by_or(const std::vector<std::string>& words);
 

@@ -367,17 +367,6 @@ ParsedLine parse_line(CommandLine& root, const std::vector<std::string>& words) 
   return parsed;
 }
 
-const CommandLine* find_command(const CommandLine& root, const std::vector<std::string>& words) {
-  const CommandLine* at = &root;
-  for (const std::string& word : words) {
-    const auto found = std::find_if(at->commands().begin(), at->commands().end(),
-                                    [&](const auto& command) { return command->name() == word; });
-    if (found == at->commands().end()) return nullptr;
-    at = found->get();
-  }
-  return at;
-}
-
 const CommandLine& command_of(const CommandLine& root, const std::vector<std::string>& words) {
   const CommandLine* at = &root;
   for (const std::string& word : words) {

@@ -28,8 +28,6 @@ struct ParsedLine {
 ParsedLine parse_line(CommandLine& root, const std::vector<std::string>& words);
 
 /// The command that words name, or as much of it as there is: {"volume", "probe"}. Throws UsageError for words that are
-/// The command of these words, or null.
-const CommandLine* find_command(const CommandLine& root, const std::vector<std::string>& words);
 /// no command.
 const CommandLine& command_of(const CommandLine& root, const std::vector<std::string>& words);
 

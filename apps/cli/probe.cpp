@@ -45,7 +45,7 @@ void run_probe(const ProbeArguments& a, Console& console) {
   progress.begin("read");
   const SurfaceFunction function = read_function(a.input);
   PointSet points = points_of(a, console);
-  // Those of --at as they were given, which single precision would change.
+  // --at is used as it is typed: single precision would change it.
   const std::vector<Vec3> places = a.at.empty() ? places_of(points) : places_at(a.at);
   const ProbeFunctionResult made = probe_function(function, places, progress);
   if (!a.output.empty()) {

@@ -87,12 +87,20 @@ Json list_of_words(std::string_view words) {
   return list;
 }
 
+/// A method of a registry: its name, what it is, and the options that mean something to it.
+template <class Method>
+Json json_of_method(const Method& method) {
+  return {{"name", method.name},
+          {"text", method.summary},
+          {"uses", std::vector<std::string_view>(method.uses.begin(), method.uses.end())}};
+}
+
 Json json_of_surfaces() {
   Json list = Json::array();
   for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) {
-    Json uses = Json::array();
-    for (const std::string_view option : method->uses) uses.push_back(std::string(option));
-    list.push_back({{"name", method->name}, {"text", method->summary}, {"page", method->page}, {"uses", uses}});
+    Json one = json_of_method(*method);
+    one["page"] = method->page;
+    list.push_back(std::move(one));
   }
   return list;
 }
@@ -100,9 +108,9 @@ Json json_of_surfaces() {
 Json json_of_volume_methods() {
   Json list = Json::array();
   for (const VolumeMethod* const method : VolumeMethod::registry().all()) {
-    Json uses = Json::array();
-    for (const std::string_view option : method->uses) uses.push_back(std::string(option));
-    list.push_back({{"name", method->name}, {"text", method->summary}, {"grids", method->grids}, {"uses", uses}});
+    Json one = json_of_method(*method);
+    one["grids"] = method->grids;
+    list.push_back(std::move(one));
   }
   return list;
 }
@@ -118,16 +126,15 @@ Json json_of_formats() {
     return list;
   };
   Json list = Json::array();
-  for (const FormatInfo* const one_of_them : formats()) {
-    const FormatInfo& format = *one_of_them;
+  for (const FormatInfo* const format : formats()) {
     Json written = Json::array();
-    for (const WrittenAs& as : format.written)
+    for (const WrittenAs& as : format->written)
       if (as.content != 0) written.push_back({{"ending", as.ending}, {"holds", words(as.content)}});
-    Json one = {{"name", format.name},
-                {"endings", list_of_words(format.endings)},
-                {"reads", words(format.reads)},
+    Json one = {{"name", format->name},
+                {"endings", list_of_words(format->endings)},
+                {"reads", words(format->reads)},
                 {"writes", written}};
-    if (!format.module.empty()) one["module"] = format.module;
+    if (!format->module.empty()) one["module"] = format->module;
     list.push_back(std::move(one));
   }
   return list;

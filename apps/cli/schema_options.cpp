@@ -109,7 +109,7 @@ void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool val
   OptionEntry& entry = c.add_entry(flag_of_name(value ? row.name : std::string_view(negative)), Kind::flag, what);
   entry.group = how.group;
   entry.row = &row;
-  // Of a pair, one can be given.
+  // The two flags of a pair exclude each other.
   if (value && row.optional) entry.excludes = flag_of_name(negative);
   if (value && !row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
   entry.field = value ? std::string(row.name) : std::string(row.name) + " = false";
@@ -134,7 +134,7 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   if (!row.range.words().empty()) entry.range = row.range;
   entry.words.assign(row.choices.begin(), row.choices.end());
   if (row.kind == OptionKind::numbers) entry.numbers = row.count, entry.several = row.count == 0;
-  // Of lists each time adds to it.
+  // A list may be given in several parts.
   entry.repeated = row.kind == OptionKind::texts || entry.several;
   if (row.may_stand_alone()) entry.implied = std::string(row.implied);
   entry.next_words.assign(row.usual_words.begin(), row.usual_words.end());

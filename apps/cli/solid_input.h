@@ -8,7 +8,7 @@
 
 namespace sansmesh::cli {
 
-/// What read_solid reads; its notes go to the console. Throws FileError and ArgumentError.
+/// Reads a solid (read_solid) and prints its notes. Throws FileError and ArgumentError.
 SolidModel open_solid(const std::string& expression, Console& console);
 
 }  // namespace sansmesh::cli

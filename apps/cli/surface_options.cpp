@@ -8,6 +8,7 @@
 #include "command_line.h"
 #include "option_groups.h"
 #include "sansmesh/core/error.h"
+#include "sansmesh/schema/registry_words.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {
@@ -35,12 +36,6 @@ std::string users_of(std::string_view option) {
   return std::count(users.begin(), users.end(), ',') < 2 ? users + ": " : "";
 }
 
-std::vector<std::string> surface_names() {
-  std::vector<std::string> names;
-  for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) names.emplace_back(method->name);
-  return names;
-}
-
 }  // namespace
 
 void add_surface_details(CommandLine& c, SurfaceOptions& options, CloudUse& cloud) {
@@ -56,8 +51,9 @@ namespace {
 /// --surface, into a text or an optional one.
 template <class Name>
 void add_surface_name(CommandLine& c, Name& name, const std::string& what, const std::string& usual) {
+  const std::vector<std::string_view>& names = registry_names<SurfaceMethod>();
   c.add_option("--surface", name, what + ": " + SurfaceMethod::registry().names() + usual)
-      .one_of(surface_names())
+      .one_of({names.begin(), names.end()})
       .type_name("NAME")
       .group("Surface");
 }

@@ -56,7 +56,7 @@ void VolumeSurfaceArguments::check() const {
   picture.check_frames(frames > 0);
 }
 
-/// What stands beside the pictures.
+/// The colour bar beside the pictures.
 std::optional<ColorBar> bar_of(const VolumeSurfaceArguments& a, const std::optional<ShownColors>& shown) {
   if (!shown || a.no_bar) return std::nullopt;
   if (shown->curvature) return curvature_bar(*shown->curvature, shown->range, a.unit, true);

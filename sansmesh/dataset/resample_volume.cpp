@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -12,6 +11,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh {
@@ -60,12 +60,11 @@ struct OutsideWords {
   static double from(const OptionValue& value) {
     const auto& word = std::get<std::string>(value);
     if (word == "nan") return std::numeric_limits<double>::quiet_NaN();
-    double number = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), number);
-    if (error != std::errc() || end != word.data() + word.size() || !std::isfinite(number))
+    const auto number = number_in(word);
+    if (!number)
       throw ArgumentError(
           ArgumentFault{.field = {}, .value = printable(word, 60), .allowed = "a number, or nan", .remedy = {}});
-    return number;
+    return *number;
   }
 };
 

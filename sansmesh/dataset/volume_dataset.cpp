@@ -59,7 +59,7 @@ std::string names_of(const std::vector<DatasetArray>& arrays) {
   return names;
 }
 
-/// Whether what is asked for is what a fitted volume holds; what is absent may be anything, the method too.
+/// Tells whether a fitted volume was made with the given options. Options that are absent agree with any value.
 bool is_held(const FittedVolume& fitted, const std::string& array, const ReconstructionOptions& asked) {
   if (array != fitted.array || !asked.method) return array == fitted.array;
   const ReconstructionOptions& held = fitted.chosen;

@@ -23,6 +23,7 @@
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/surface/foot_field.h"
 #include "sansmesh/surface/layer_projection.h"
+#include "sansmesh/triangulation/divide_blocks.h"
 #include "sansmesh/volume/sample_slopes.h"
 
 namespace sansmesh {
@@ -592,28 +593,14 @@ BlockTree VolumeSurface::blocks() const {
   const double edge =
       std::max({size.x, size.y, size.z}) + 2 * kAround * state_->place.from_input(state_->report.spacing);
   BlockTree tree(state_->projection->bounds().center() - Vec3{edge, edge, edge} * 0.5, edge);
-  std::vector<std::size_t> level{0}, next;
-  for (int depth = 0; depth < kDeepestBlocks && !level.empty(); ++depth) {
-    std::vector<std::uint8_t> divided(level.size());
-    parallel_ranges(0, level.size(), 64, [&](std::size_t first, std::size_t last) {
-      std::vector<std::uint32_t> touched;
-      for (std::size_t i = first; i < last; ++i) {
-        const double half = tree.block_edge(level[i]) / 2;
-        const Vec3 center = tree.block_center(level[i]), h{half, half, half};
-        near.touching({Vec3f(center - h), Vec3f(center + h)}, touched);
-        float least = std::numeric_limits<float>::infinity();
-        for (const std::uint32_t t : touched) least = std::min(least, state_->spacing[t]);
-        divided[i] = !touched.empty() && 2 * half > kBlockEdge * static_cast<double>(least);
-      }
-    });
-    next.clear();
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      if (!divided[i]) continue;
-      const std::size_t first = tree.subdivide(level[i]);
-      for (std::size_t k = 0; k < 8; ++k) next.push_back(first + k);
-    }
-    level.swap(next);
-  }
+  divide_blocks(tree, kDeepestBlocks, [&](std::size_t block, std::vector<std::uint32_t>& touched) {
+    const double half = tree.block_edge(block) / 2;
+    const Vec3 center = tree.block_center(block), h{half, half, half};
+    near.touching({Vec3f(center - h), Vec3f(center + h)}, touched);
+    float least = std::numeric_limits<float>::infinity();
+    for (const std::uint32_t t : touched) least = std::min(least, state_->spacing[t]);
+    return !touched.empty() && 2 * half > kBlockEdge * static_cast<double>(least);
+  });
   return tree;
 }
 

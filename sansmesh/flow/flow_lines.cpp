@@ -11,12 +11,12 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/flow/option_facts.h"
 
 namespace sansmesh {
 namespace {
 
 constexpr std::string_view kLineKinds[] = {"path", "streak", "time", "stream"};
-constexpr std::string_view kLineDirections[] = {"forward", "backward", "both"};
 
 /// The last of the words is another one for the first.
 struct LineKind {
@@ -225,14 +225,9 @@ const OptionSchema& FlowLineOptions::schema() {
       option<&O::kind, LineKind>({.text = "stream or path: where particles go; streak: dye from each seed; time: the "
                                           "seeds' curve as it moves",
                                   .choices = kLineKinds}),
-      option<&O::direction>({.text = "forward, backward or both", .choices = kLineDirections}),
-      option<&O::start>(
-          {.text = "Moment at which particles leave", .unit = "time", .from_data = "the first of the flow"}),
-      option<&O::duration>({.text = "How long they are followed",
-                            .unit = "duration",
-                            .from_data = "to the end of the flow",
-                            .range = positive(),
-                            .old_name = "time"}),
+      option<&O::direction>(kDirectionFacts),
+      option<&O::start>(kStartFacts),
+      option<&O::duration>(kDurationFacts),
       option<&O::length>({.text = "How long lines are at most",
                           .unit = "length",
                           .from_data = "five diagonals, without `duration`",

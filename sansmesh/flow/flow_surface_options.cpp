@@ -3,14 +3,14 @@
 #include <string_view>
 
 #include "sansmesh/core/check_range.h"
+#include "sansmesh/flow/option_facts.h"
 
 namespace sansmesh {
 namespace {
 
 constexpr std::string_view kSurfaceKinds[] = {"stream", "path", "streak", "time"};
-constexpr std::string_view kDirections[] = {"forward", "backward", "both"};
 
-/// Whether new particles are half-way between others.
+/// New particles start half-way between others, as a flag.
 struct InterpolatedFlag {
   static constexpr auto kind = OptionKind::flag;
   static OptionValue get(FlowInsertion v) { return v == FlowInsertion::interpolated; }
@@ -28,14 +28,9 @@ const OptionSchema& FlowSurfaceOptions::schema() {
                                 "drifts, see `sweep`)",
                         .from_data = "stream, of a flow that changes path",
                         .choices = kSurfaceKinds}),
-      option<&O::direction>({.text = "forward, backward or both", .choices = kDirections}),
-      option<&O::start>(
-          {.text = "Moment at which particles leave", .unit = "time", .from_data = "the first of the flow"}),
-      option<&O::duration>({.text = "How long they are followed",
-                            .unit = "duration",
-                            .from_data = "to the end of the flow",
-                            .range = positive(),
-                            .old_name = "time"}),
+      option<&O::direction>(kDirectionFacts),
+      option<&O::start>(kStartFacts),
+      option<&O::duration>(kDurationFacts),
       option<&O::length>({.text = "How far, of stream and path surfaces",
                           .unit = "length",
                           .from_data = "five diagonals, without `duration` and where the flow has no end",

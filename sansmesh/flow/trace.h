@@ -21,7 +21,7 @@ enum class Integrator : std::uint8_t {
   dopri5  ///< Dormand and Prince's pair of orders 5 and 4: steps as long as the tolerance allows
 };
 
-/// Which ways particles go from their seeds.
+/// Direction of particles from their seeds.
 enum class FlowDirection : std::uint8_t { forward, backward, both };
 
 /// Why a particle stopped.
@@ -49,7 +49,7 @@ struct TraceOptions {
   double least_speed = 0;
   std::size_t most_steps = 20'000;  ///< >= 1, tries included
 
-  /// What users choose: not the direction, duration and length, which follow from what is traced.
+  /// Options for users: not the direction, duration and length, which follow from what is traced.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;

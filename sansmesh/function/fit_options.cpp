@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/number_text.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh {

@@ -8,14 +8,14 @@
 
 namespace sansmesh {
 
-/// Which partition of unity.
+/// Partition of unity that is fitted.
 enum class FitMethod {
   partition,  ///< our own: docs/methods/partition-of-unity.md
   paper       ///< as the sources have it: docs/methods/paper-partition.md
 };
 
-/// How samples become a function. All optional lengths are in the unit of the input; where absent they are derived from
-/// the data.
+/// Options of the fit of a function to samples. All optional lengths are in the unit of the input; where absent they
+/// are derived from the data.
 struct FitOptions {
   FitMethod fit = FitMethod::partition;
   /// Of FitMethod::paper: accepted rms distance of a support's samples over the diagonal of all [0.002], and the least

@@ -172,7 +172,7 @@ void add_ending(std::string_view ending, std::vector<std::string>& list) {
   if (std::find(list.begin(), list.end(), with_dot) == list.end()) list.push_back(std::move(with_dot));
 }
 
-/// Of the library's own.
+/// The same among the library's own formats.
 std::optional<FormatId> own_format_of_content(std::string_view bytes) {
   const auto begins = [&](std::string_view s) { return bytes.starts_with(s); };
   if (begins("ply\n") || begins("ply\r")) return FormatId::ply;

@@ -80,10 +80,10 @@ struct WrittenAs {
   unsigned content = 0;
 };
 
-/// What a format has room for beside positions and triangles.
+/// Data that a format can hold besides positions and triangles.
 enum class FormatRoom : std::uint8_t { positions, colors, colors_and_few_floats, all_but_normals, all };
 
-/// What goes into a file, in parts.
+/// The bytes of a file, in parts.
 using FileParts = std::vector<std::string>;
 
 /// One format. Those that a program adds (`Registered<FormatInfo>`) are read and written by every function and command.
@@ -102,7 +102,7 @@ struct FormatInfo {
   FileParts (*write_points)(const PointSet& points, const WriteOptions& options) = nullptr;
   FileParts (*write_lines)(const PolylineSet& lines, const WriteOptions& options) = nullptr;
   FormatRoom mesh_room = FormatRoom::all, points_room = FormatRoom::all;
-  /// Of added formats: whether the first bytes of a file show it beyond doubt. May be null.
+  /// For added formats: tells whether the first bytes of a file show the format beyond doubt. May be null.
   bool (*recognizes)(std::string_view bytes) = nullptr;
 
   /// Those of the library in the order of FormatId, then those that programs add.

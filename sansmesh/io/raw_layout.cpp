@@ -3,10 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
 #include <iterator>
+#include <limits>
+#include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/option_text.h"
 
 namespace sansmesh {
 namespace {
@@ -20,23 +22,17 @@ struct SizeWords {
   }
   static Sizes from(const OptionValue& value) {
     const auto& text = std::get<std::string>(value);
+    std::string numbers = text;
+    std::replace(numbers.begin(), numbers.end(), 'x', ',');
+    const std::vector<std::string> words = between_commas(numbers);
     Sizes sizes{};
-    const char* at = text.data();
-    const char* const end = at + text.size();
-    bool good = true;
-    for (std::size_t k = 0; k < 3 && good; ++k) {
-      if (k > 0) {
-        good = at != end && (*at == 'x' || *at == ',');
-        if (!good) break;
-        ++at;
-      }
-      const auto [next, error] = std::from_chars(at, end, sizes[k]);
-      good = error == std::errc() && sizes[k] >= 1;
-      at = next;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto n = words.size() == 3 ? whole_in(words[k], 1, std::numeric_limits<long long>::max()) : std::nullopt;
+      if (!n)
+        throw ArgumentError(
+            ArgumentFault{.field = {}, .value = text, .allowed = "three numbers such as 256x256x128", .remedy = {}});
+      sizes[k] = static_cast<std::size_t>(*n);
     }
-    if (!good || at != end)
-      throw ArgumentError(
-          ArgumentFault{.field = {}, .value = text, .allowed = "three numbers such as 256x256x128", .remedy = {}});
     return sizes;
   }
 };

@@ -1,4 +1,4 @@
-// How files of volumes are read.
+// Options of reading files of volumes.
 #pragma once
 
 #include <cstddef>

@@ -8,7 +8,7 @@
 
 namespace sansmesh {
 
-/// What has moved in orange, what it was moved onto in gray.
+/// The moved surface in orange, the fixed one in gray.
 Image draw_alignment(const AlignResult& aligned, RenderOptions look, Progress& progress);
 
 }  // namespace sansmesh

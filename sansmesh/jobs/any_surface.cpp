@@ -5,6 +5,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/field/placed_field.h"
 #include "sansmesh/function/mesh_function.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/measure/field_signed_distance.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/meshing/mesh_options.h"
@@ -39,16 +40,6 @@ struct KeptFieldDistance {
   std::shared_ptr<const ScalarField> field;
   FieldDistance distance;
 };
-
-/// Calls; errors of the data get the name in front.
-template <class Call>
-auto named(const std::string& name, Call call) {
-  try {
-    return call();
-  } catch (const DataError& error) {
-    throw DataError(name + ": " + error.what());
-  }
-}
 
 }  // namespace
 
@@ -85,7 +76,7 @@ const char* AnySurface::kind_word() const {
 
 std::shared_ptr<const TriangleMesh> AnySurface::mesh(Progress& progress, std::vector<Note>& notes) const {
   if (mesh_) return mesh_;
-  return named(name_, [&] {
+  return with_name(name_, [&] {
     if (isosurface_) {
       IsosurfaceReport report;
       auto made = std::make_shared<const TriangleMesh>(mesh_isosurface(*isosurface_, {}, progress, &report));
@@ -117,7 +108,7 @@ std::shared_ptr<const SignedDistance> AnySurface::distance(Progress& progress, s
     return {kept, &kept->distance};
   }
   const std::shared_ptr<const TriangleMesh> own = mesh(progress, notes);
-  return named(name_, [&]() -> std::shared_ptr<const SignedDistance> {
+  return with_name(name_, [&]() -> std::shared_ptr<const SignedDistance> {
     const auto kept = std::make_shared<const KeptDistance>(KeptDistance{own, signed_distance(*own)});
     return {kept, kept->distance.get()};
   });

@@ -48,6 +48,17 @@ ColorBar confidence_bar() {
   return {colors_over(0, 1, [](float t) { return confidence_color(t); }), "confidence", {}};
 }
 
+std::vector<double> sizes_of(const Attribute& a) {
+  std::vector<double> values(a.rows());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    double square = 0;
+    for (std::size_t c = 0; c < a.components; ++c)
+      square += a.number(i * a.components + c) * a.number(i * a.components + c);
+    values[i] = a.components == 1 ? a.number(i) : std::sqrt(square);
+  }
+  return values;
+}
+
 ColorBar color_by_attribute(TriangleMesh& mesh, const std::string& name,
                             const std::optional<std::pair<double, double>>& range, const std::string& unit) {
   const Attribute* const found = mesh.attributes.find(name);
@@ -58,14 +69,9 @@ ColorBar color_by_attribute(TriangleMesh& mesh, const std::string& name,
                                 known.empty() ? "there is none" : "there is " + known));
   }
   const std::size_t n = mesh.vertices.size(), components = found->components;
-  std::vector<double> values(n), known;
-  for (std::size_t v = 0; v < n; ++v) {
-    double squares = 0;
-    for (std::size_t c = 0; c < components; ++c)
-      squares += found->number(v * components + c) * found->number(v * components + c);
-    values[v] = components == 1 ? found->number(v) : std::sqrt(squares);
-    if (std::isfinite(values[v])) known.push_back(values[v]);
-  }
+  const std::vector<double> values = sizes_of(*found);
+  std::vector<double> known;
+  std::copy_if(values.begin(), values.end(), std::back_inserter(known), [](double v) { return std::isfinite(v); });
   if (known.empty()) throw DataError(fmt::format("{} is nowhere a number", name));
   std::sort(known.begin(), known.end());
   ValueHistogram over;
@@ -94,6 +100,12 @@ ColorBar color_by_attribute(TriangleMesh& mesh, const std::string& name,
     for (std::size_t k = 0; k < 3; ++k) mesh.colors[v][k] = to_byte(color[k]);
   }
   return bar;
+}
+
+void check_room_beside(const RenderOptions& look, int bar, std::string_view what) {
+  if (bar > 0 && look.width < bar + kLeastBesideOne)
+    throw ArgumentError(fmt::format("`width = {}` is too narrow: a picture {} high takes {} with its {}, or more",
+                                    look.width, look.height, bar + kLeastBesideOne, what));
 }
 
 void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar) {

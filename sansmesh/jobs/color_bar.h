@@ -4,7 +4,9 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "sansmesh/data/attribute_table.h"
 #include "sansmesh/data/image.h"
@@ -24,8 +26,14 @@ struct ColorBar {
 };
 /// That of curvatures up to `range`, in the input's lengths. `beyond`: there are others.
 ColorBar curvature_bar(CurvatureQuantity quantity, double range, const std::string& unit, bool beyond);
+/// Numbers at a bar may be as wide as those of −range..range with this.
+inline constexpr double kWidestNumbers = 1.2e-100;
+/// Throws ArgumentError unless a picture with this look has room for a bar of so many pixels, which is called so.
+void check_room_beside(const RenderOptions& look, int bar, std::string_view what);
 /// Makes room for a bar in the width of the picture. Throws ArgumentError where there is none.
 void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar);
+/// A number for each row: of vectors their length.
+std::vector<double> sizes_of(const Attribute& attribute);
 /// Colours the vertices by the attribute of that name, of vectors by their lengths; grey where it is not known.
 /// `range`: what gets the colours at the ends; default: all of it but for one in a hundred at each end, symmetric where
 /// there are both signs. Throws DataError where there is none of that name, or nothing is known.

@@ -9,6 +9,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/jobs/align.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/refine_edges.h"
 
 namespace sansmesh {
@@ -97,11 +98,7 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
   DistanceMapOptions map = options.map;
   map.reversed = reversed;
   if (!map.max_distance && r.diagonal > 0) map.max_distance = 0.1 * r.diagonal;
-  try {
-    result.map = distance_map(result.mesh, *distance, map, progress);
-  } catch (const DataError& error) {
-    throw DataError(mapped.name() + ": " + error.what());
-  }
+  result.map = with_name(mapped.name(), [&] { return distance_map(result.mesh, *distance, map, progress); });
   if (!result.map.has_sides)
     result.notes.push_back({.code = "no_sign",
                             .text = "distances have no sign: " + other.name() + " is points without normals",

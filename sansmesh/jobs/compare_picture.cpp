@@ -13,10 +13,6 @@ namespace sansmesh {
 namespace {
 
 constexpr const char* kDistanceTitle = "distance";
-/// Numbers of a scale may be as wide as those of this range.
-constexpr double kWidestScale = 1.2e-100;
-/// Pixels that are left for the surface beside the scale, at least.
-constexpr int kLeastBesideScale = 100;
 constexpr int kScaleSteps = 16;
 
 /// The colours of a map as a scale: those of distance_color from −range, or 0, to range.
@@ -35,10 +31,8 @@ TransferFunction scale_of(double range, bool both_sides) {
 
 void check_map_picture(const RenderOptions& look, const std::string& unit) {
   look.validate();
-  const int scale = value_bar_width(look.height, scale_of(kWidestScale, true), with_unit(kDistanceTitle, unit));
-  if (scale > 0 && look.width < scale + kLeastBesideScale)
-    throw ArgumentError(fmt::format("`width = {}` is too narrow: a picture {} high takes {} with its scale, or more",
-                                    look.width, look.height, scale + kLeastBesideScale));
+  const int scale = value_bar_width(look.height, scale_of(kWidestNumbers, true), with_unit(kDistanceTitle, unit));
+  check_room_beside(look, scale, "scale");
 }
 
 MapPicture draw_map(const CompareResult& compared, const CompareOptions& options, const RenderOptions& look,

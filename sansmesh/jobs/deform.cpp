@@ -5,6 +5,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/field/map_stretch.h"
 #include "sansmesh/jobs/deform_parts.h"
+#include "sansmesh/jobs/with_name.h"
 
 namespace sansmesh {
 namespace {
@@ -31,7 +32,7 @@ DeformationMapResult deformation_map(const Deformation& deformation, const Box3&
   if (!is_finite(before.lower) || !is_finite(before.upper) || before.empty())
     throw ArgumentError("`displacement_map` needs an input that ends somewhere, for its box");
   const DeformationMaps maps = deformation.at(1);
-  const Box3 box = options.box ? *options.box : naming_thing(name, [&] {
+  const Box3 box = options.box ? *options.box : with_name(name, [&] {
     return with_room(box_before(*maps.backward, before, deformation.box_of(maps, before)), kMapMargin);
   });
   DisplacementMap map =

@@ -31,16 +31,6 @@ class FoldWatch {
   FoldReport worst_;
 };
 
-/// Calls; errors of the data get the name of what is deformed in front.
-template <class Call>
-auto naming_thing(const std::string& name, Call call) {
-  try {
-    return call();
-  } catch (const DataError& error) {
-    throw DataError(printable(name, 200) + ": " + error.what());
-  }
-}
-
 void add_corners(const Box3& box, std::vector<Vec3>& places);
 void add_vertices(const TriangleMesh& mesh, std::vector<Vec3>& places);
 /// Places that all poses lie within, where there are several: of the first, the middle and the last.

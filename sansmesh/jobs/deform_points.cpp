@@ -9,6 +9,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/mesh_topology.h"
 
 namespace sansmesh {
@@ -96,7 +97,7 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
     }
     std::vector<Vec3> places = framed;
     if (places.empty()) add_vertices(moved, places);
-    use(k, naming_thing(name, [&] {
+    use(k, with_name(name, [&] {
           return picture_of_pose({surface_in_picture(moved, options.look)}, options, deformation, options.share(k),
                                  std::move(places), {}, progress);
         }));

@@ -15,6 +15,7 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/render/surface_caster.h"
 
 namespace sansmesh {
@@ -118,7 +119,7 @@ class SolidPoses {
   }
 
  private:
-  /// Where it is cut off, and what that leaves of endless solids.
+  /// The box that it is cut off at, which makes endless solids finite.
   CsgMeshOptions mesh_options() const {
     CsgMeshOptions o = {
         .cell = options_.cell, .resolution = options_.resolution, .box = options_.box, .simplify = options_.simplify};
@@ -216,7 +217,7 @@ DeformResult deform(const SolidModel& solid, const Deformation& deformation, Def
   options.validate(aim);
   if (options.refine) throw ArgumentError("`refine` is for meshes: functions are cut out as fine as they need");
   SolidPoses poses(solid, deformation, aim, options, progress);
-  for (int k = 0; k < options.poses(); ++k) use(k, naming_thing(solid.expression, [&] { return poses.at(k); }));
+  for (int k = 0; k < options.poses(); ++k) use(k, with_name(solid.expression, [&] { return poses.at(k); }));
   return poses.result();
 }
 

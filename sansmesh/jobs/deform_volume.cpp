@@ -14,6 +14,7 @@
 #include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/volume_subject.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/refine_edges.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/value_histogram.h"
@@ -202,12 +203,12 @@ DeformResult deform(const DeformableVolume& volume, const Deformation& deformati
   if (aim == DeformAim::sections)
     throw ArgumentError("sections are of functions: a value of one of its quantities is a surface of a volume");
   VolumePoses poses(volume, deformation, options, progress);
-  if (aim == DeformAim::picture) naming_thing(volume.name, [&] { poses.choose_look(); });
+  if (aim == DeformAim::picture) with_name(volume.name, [&] { poses.choose_look(); });
   const auto pose_at = [&](int k) -> DeformedPose {
     if (aim == DeformAim::picture) return poses.picture(k);
     return poses.resampled(k);
   };
-  for (int k = 0; k < options.poses(); ++k) use(k, naming_thing(volume.name, [&] { return pose_at(k); }));
+  for (int k = 0; k < options.poses(); ++k) use(k, with_name(volume.name, [&] { return pose_at(k); }));
   return poses.result();
 }
 

@@ -9,8 +9,10 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/jobs/line_picture.h"
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/tubes.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/spacing.h"
@@ -24,7 +26,6 @@ namespace {
 
 /// Pixels that are left for the objects beside the legend, at least.
 constexpr int kLeastBesideLegend = 100;
-constexpr double kThinTube = 1.0 / 400;  // of the diagonal of the lines
 
 /// Far from each other in hue, then in lightness as well.
 Vec3f object_color(std::size_t number) {
@@ -36,11 +37,7 @@ Vec3f object_color(std::size_t number) {
 
 /// Lines as tubes, as thin as those of pictures of lines alone.
 TriangleMesh tubes_of(const PolylineSet& lines) {
-  Box3 box;
-  for (const Vec3f& p : lines.positions)
-    if (is_finite(p)) box.extend(Vec3(p));
-  const double radius = kThinTube * box.diagonal();
-  if (!(radius > 0)) throw DataError("all points of the lines are in one place: there is nothing to draw");
+  const double radius = tube_radius(lines);
   return tubes(lines, {.radius = radius, .sides = 8, .least_step = 0.5 * radius});
 }
 
@@ -66,7 +63,7 @@ struct MeshlessObject {
       : model(std::move(made)), caster(model.field(progress), model.balls(), {}) {}
 };
 
-/// What stands in the picture, object after object.
+/// The scene of a picture, built object by object.
 class ObjectScene {
  public:
   ObjectScene(const PictureOptions& options, std::size_t objects, RenderResult& result, Progress& progress)
@@ -161,11 +158,7 @@ void draw_objects(std::vector<PictureObject> objects, const PictureOptions& o, c
   ObjectScene scene(o, objects.size(), result, progress);
   for (PictureObject& object : objects) {
     const std::string name = object.name;
-    try {
-      scene.add(std::move(object));
-    } catch (const DataError& error) {
-      throw DataError(name + ": " + error.what());
-    }
+    with_name(name, [&] { scene.add(std::move(object)); });
   }
   check_kinds(scene.kinds, o);
   RenderOptions look = o.look;

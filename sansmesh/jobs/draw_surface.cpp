@@ -7,6 +7,7 @@
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/picture_curvature.h"
 #include "sansmesh/jobs/splat_points.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/points/sample_confidence.h"
 #include "sansmesh/render/surface_picture.h"
@@ -128,15 +129,13 @@ void paint_all(const PictureOptions& o, const SurfaceModel& model, std::optional
 
 void draw_surface(PictureObject object, const PictureOptions& o, CrestsFrom crests, const UsePicture& use,
                   RenderResult& result, Progress& progress) {
-  try {
+  with_name(object.name, [&] {
     std::optional<CurvedVertices> mesh;
     const SurfaceModel model = model_of(object, o, mesh, progress);
     add_notes(result.notes, "surface", model.warnings(), object.name);
     paint_all(o, model, std::move(mesh), crests, use, result.report, progress);
     result.report.surface = model.report();
-  } catch (const DataError& error) {
-    throw DataError(object.name + ": " + error.what());
-  }
+  });
 }
 
 }  // namespace sansmesh

@@ -23,7 +23,7 @@ struct EditInput {
 struct EditedFunction {
   SurfaceFunction function;
   std::vector<EditReport> steps;
-  // Where a mesh is asked for.
+  // If a mesh is asked for.
   TriangleMesh mesh = {};
   MeshUpdate update = {};  ///< what of it is new; of one that was made without another nothing is told
 };

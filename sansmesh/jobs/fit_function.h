@@ -13,7 +13,7 @@
 
 namespace sansmesh {
 
-/// What is done to the samples, and how they become a function.
+/// Options of preparation and fit.
 struct FitFunctionOptions {
   CloudUse cloud = {};
   FitOptions fit = {};

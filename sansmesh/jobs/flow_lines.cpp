@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 
 namespace sansmesh {
 namespace {
@@ -26,11 +27,7 @@ std::vector<CarriedArray> carried_along(const FlowModel& flow, const std::string
   if (carry == "all")
     for (const DatasetArray& array : volume->dataset().arrays()) names.push_back(array.name);
   else
-    for (std::size_t at = 0; at <= carry.size();) {
-      const std::size_t end = std::min(carry.find(',', at), carry.size());
-      names.push_back(carry.substr(at, end - at));
-      at = end + 1;
-    }
+    names = between_commas(carry);
   std::vector<CarriedArray> arrays;
   arrays.reserve(names.size());
   for (const std::string& name : names) arrays.push_back({name, volume->dataset().choose(name, "carry")});

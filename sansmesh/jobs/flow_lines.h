@@ -24,7 +24,7 @@ struct TraceLinesOptions {
   void validate() const;
 };
 
-/// What colours of the lines are by where nobody says.
+/// The array that colours lines by default.
 std::string usual_color(const FlowLineOptions& options);
 
 struct TraceLinesResult {

@@ -31,7 +31,7 @@ struct FlowModelOptions {
   void validate() const;
 };
 
-/// What options of seeds say of themselves.
+/// Help on options of seeds.
 inline constexpr std::string_view kSeedsText =
     "line(a, b, n), circle(c, normal, r, n), plane(o, u, v, nu, nv), box(n), point(x,y,z), points(FILE), curve(FILE), "
     "loop(FILE), mesh(FILE), with numbers for a, b, …; several with ; between them";

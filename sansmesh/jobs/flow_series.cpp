@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kMostSpeed = 1e35;
 
-/// What steps have to say that the first has not.
+/// Notes of later steps that the first step does not have.
 class StepNotes {
  public:
   explicit StepNotes(std::vector<std::string> first) : first_(std::move(first)) {}

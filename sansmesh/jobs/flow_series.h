@@ -11,7 +11,7 @@
 
 namespace sansmesh {
 
-/// What the first step decides for all.
+/// Choices of the first step, which hold for all.
 struct FlowSeries {
   std::vector<std::string> files;  ///< a step each; of one file its steps
   VolumeReadOptions read;

@@ -33,7 +33,7 @@ const char* shape_words(CloudShape shape) {
   return "";
 }
 
-/// What a cloud spans; of parts so far apart that it seems to be less than it is, that.
+/// The shape of a cloud in words, or how far its parts are apart where that hides their shape.
 std::string span_words(const PointSet& points) {
   if (const auto parts = find_far_parts(points)) return fmt::format("parts {:.3g} apart", parts->apart);
   return shape_words(classify_shape(points));

@@ -24,7 +24,7 @@ struct AttributeInfo {
   std::string name;
   bool of_triangles = false;
   NumberType type = NumberType::f32;
-  /// Of each component the least and the largest finite number; nothing where there is none.
+  /// For each component the least and the largest finite number; nothing where there is none.
   std::vector<std::optional<std::pair<double, double>>> ranges;
 };
 

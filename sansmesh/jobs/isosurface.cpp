@@ -9,6 +9,7 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 
 namespace sansmesh {
 namespace {
@@ -22,11 +23,7 @@ std::vector<std::string> arrays_to_carry(const VolumeModel& volume, const std::s
     for (const DatasetArray& array : dataset.arrays())
       if (array.of == volume.array().of && array.name != volume.choice().array) wanted.push_back(array.name);
   } else {
-    for (std::size_t at = 0; at <= carry.size();) {
-      const std::size_t end = std::min(carry.find(',', at), carry.size());
-      wanted.push_back(carry.substr(at, end - at));
-      at = end + 1;
-    }
+    wanted = between_commas(carry);
   }
   for (const std::string& name : wanted) dataset.array(name, "carry");
   return wanted;

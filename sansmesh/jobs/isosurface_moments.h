@@ -50,9 +50,9 @@ IsosurfaceMomentsResult isosurface_moments(VolumeSeries& series, const VolumeIso
                                            const IsosurfaceMomentsOptions& moments,
                                            const std::function<void(std::size_t, const TriangleMesh&)>& use,
                                            Progress& progress);
-/// What it throws for options, before anything is read.
+/// Throws what isosurface_moments throws for its options, before anything is read.
 void check_moments(const VolumeIsosurfaceOptions& options, const IsosurfaceMomentsOptions& moments);
-/// How many moments there will be.
+/// Number of moments.
 std::size_t moment_count(const VolumeSeries& series, const IsosurfaceMomentsOptions& moments);
 
 }  // namespace sansmesh

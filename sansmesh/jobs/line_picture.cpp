@@ -14,6 +14,7 @@
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/tubes.h"
 #include "sansmesh/render/mesh_picture.h"
@@ -28,22 +29,7 @@ constexpr double kTubeRadius = 1.0 / 400;  // of the diagonal of the lines
 constexpr double kBothSigns = 0.1;         // of the larger side, on the smaller one
 constexpr double kScaleEnds = 0.01;        // of the tubes' area, at each end of the scale
 constexpr double kDrawnStep = 0.5;         // between points that are drawn, in radii
-constexpr double kWidestNumbers = 1.2e-100;
 constexpr const char* kMagnitude = " (magnitude)";
-/// Pixels that are left for the lines beside the colour bar, at least.
-constexpr int kLeastBesideBar = 100;
-
-/// A number for each row: of vectors their length.
-std::vector<double> numbers_of(const Attribute& a) {
-  std::vector<double> values(a.rows());
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    double square = 0;
-    for (std::size_t c = 0; c < a.components; ++c)
-      square += a.number(i * a.components + c) * a.number(i * a.components + c);
-    values[i] = a.components == 1 ? a.number(i) : std::sqrt(square);
-  }
-  return values;
-}
 
 /// Each value counts as much as it has of the tubes, whose vertices are of these points: where particles are slow or
 /// turn round and round their points crowd. The ends of the scale leave out what little of the tubes has, which would
@@ -70,6 +56,14 @@ TransferFunction colors_for(const TriangleMesh& mesh, const std::vector<std::uin
   const bool signs =
       h.lower < 0 && h.upper > 0 && std::min(-h.lower, h.upper) > kBothSigns * std::max(-h.lower, h.upper);
   return transfer_function_preset(signs ? "diverging" : "flow", h);
+}
+
+/// In coordinates relative to the origin of the lines.
+Box3 box_of_lines(const PolylineSet& lines) {
+  Box3 box;
+  for (const Vec3f& p : lines.positions)
+    if (is_finite(p)) box.extend(Vec3(p));
+  return box;
 }
 
 /// The tubes; `point` is the point of the lines that a vertex is of.
@@ -118,10 +112,7 @@ void LinePictureOptions::validate(const std::string& usual) const {
   widest.lower = -kWidestNumbers, widest.upper = kWidestNumbers;
   const int bar = value_bar_width(look.height, transfer_function_preset("diverging", widest),
                                   with_unit((color_by.empty() ? usual : color_by) + kMagnitude, unit));
-  if (bar > 0 && look.width < bar + kLeastBesideBar)
-    throw ArgumentError(
-        fmt::format("`width = {}` is too narrow: a picture {} high takes {} with its colour bar, or more", look.width,
-                    look.height, bar + kLeastBesideBar));
+  check_room_beside(look, bar, "colour bar");
 }
 
 void LinePictureOptions::check_color(const std::vector<std::string>& arrays) const {
@@ -130,18 +121,21 @@ void LinePictureOptions::check_color(const std::vector<std::string>& arrays) con
                                   printable(color_by, 40), fmt::join(arrays, ", ")));
 }
 
+double tube_radius(const PolylineSet& lines, const std::optional<double>& radius) {
+  const double chosen = radius.value_or(kTubeRadius * box_of_lines(lines).diagonal());
+  if (!(chosen > 0)) throw DataError("all points of the lines are in one place: there is nothing to draw");
+  return chosen;
+}
+
 LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& options, const std::string& usual,
                          Progress& progress) {
   LinePicture drawn;
   drawn.color_by = options.color_by.empty() ? usual : options.color_by;
   const Attribute* const array = lines.attributes.find(drawn.color_by);
   if (!array) options.check_color({});
-  Box3 box;
-  for (const Vec3f& p : lines.positions)
-    if (is_finite(p)) box.extend(Vec3(p));
-  const std::vector<double> values = numbers_of(*array);
-  drawn.radius = options.tube_radius.value_or(kTubeRadius * box.diagonal());
-  if (!(drawn.radius > 0)) throw DataError("all points of the lines are in one place: there is nothing to draw");
+  const Box3 box = box_of_lines(lines);
+  const std::vector<double> values = sizes_of(*array);
+  drawn.radius = tube_radius(lines, options.tube_radius);
 
   progress.begin("tubes");
   TriangleMesh mesh = tubes_around(lines, drawn.radius);

@@ -40,6 +40,10 @@ struct LinePicture {
   std::size_t triangles = 0;
 };
 
+/// Radius of the tubes that lines are drawn as: the given one, or 1/400 of their diagonal. Throws DataError where all
+/// points are in one place.
+double tube_radius(const PolylineSet& lines, const std::optional<double>& radius = {});
+
 /// Each value counts for the scale as much as it has of the tubes, a hundredth at each end is left out. Throws
 /// ArgumentError for bad options, DataError where there is nothing to draw.
 LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& options, const std::string& usual,

@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/topology_words.h"
 
 namespace sansmesh {
@@ -73,11 +74,7 @@ MeasureResult measure(const AnySurface& surface, Progress& progress) {
   if (mesh->triangles.empty())
     throw DataError(surface.name() + ": has no faces to measure: a surface has to be made of the points first");
   progress.begin("measure");
-  try {
-    result.measures = measure_solid(*mesh);
-  } catch (const DataError& error) {
-    throw DataError(surface.name() + ": " + error.what());
-  }
+  result.measures = with_name(surface.name(), [&] { return measure_solid(*mesh); });
   add_measure_notes(result.measures, result.notes);
   return result;
 }

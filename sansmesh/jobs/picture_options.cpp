@@ -35,7 +35,7 @@ void check_color_words(const std::vector<std::string>& words) {
           .remedy = {}});
 }
 
-/// Of lines alone nothing has light or colour but the lines.
+/// In pictures of lines alone only the lines have light and colour.
 void check_lines_alone(const PictureOptions& o) {
   if (o.look.lines != RenderOptions::Lines::only) return;
   refuse({{"color", !o.colors.empty()},

@@ -63,7 +63,7 @@ struct PictureOptions {
   std::optional<std::size_t> splats = {};
   std::optional<int> frames = {};  ///< so many pictures from all around, 1..100000; default: one picture
 
-  /// Whether an object lets light through.
+  /// Tells whether any object is translucent.
   bool translucent() const;
   /// All but those of `look`, `surface` and `cloud`.
   static const OptionSchema& schema();

@@ -33,7 +33,7 @@ struct ProbeFunctionResult {
 /// At places in the input's coordinates. Throws Cancelled.
 ProbeFunctionResult probe_function(const SurfaceFunction& function, std::span<const Vec3> places, Progress& progress);
 
-/// Where points lie.
+/// Positions of points in coordinates of the input.
 std::vector<Vec3> places_of(const PointSet& points);
 
 }  // namespace sansmesh

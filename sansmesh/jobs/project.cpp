@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/jobs/with_name.h"
+#include "sansmesh/schema/registry_words.h"
 
 namespace sansmesh {
 namespace {
@@ -17,25 +19,12 @@ constexpr double kMostPoints = 2e9;
 const std::vector<std::string_view>& project_methods() {
   static const std::vector<std::string_view> names = [] {
     std::vector<std::string_view> all{kSuited, kLop};
-    for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) all.push_back(method->name);
+    const auto& surfaces = registry_names<SurfaceMethod>();
+    all.insert(all.end(), surfaces.begin(), surfaces.end());
     return all;
   }();
   return names;
 }
-
-/// The method as one of the words.
-struct ProjectMethodWords {
-  static constexpr auto kind = OptionKind::choice;
-  static OptionValue get(const std::string& name) {
-    const auto& all = project_methods();
-    for (std::size_t i = 0; i < all.size(); ++i)
-      if (all[i] == name) return static_cast<std::int64_t>(i);
-    return std::int64_t{-1};
-  }
-  static std::string from(const OptionValue& value) {
-    return std::string(project_methods().at(static_cast<std::size_t>(std::get<std::int64_t>(value))));
-  }
-};
 
 /// Nothing: what suits the samples. With options that not all surfaces use it is `curvature`, as they are its.
 std::optional<SurfaceOptions> surface_of(const ProjectOptions& o) {
@@ -62,7 +51,7 @@ void check_lop(const ProjectOptions& o, bool onto) {
 
 PointSet on_surface(ProjectInput& input, const ProjectOptions& o, ProjectResult& result, Progress& progress) {
   const std::string& of = input.onto ? input.onto_name : input.name;
-  try {
+  return with_name(of, [&] {
     PreparedCloud prepared = prepare_cloud(input.onto ? std::move(*input.onto) : input.points, o.cloud, progress);
     const auto surface = surface_of(o);
     const SurfaceModel model = surface ? make_surface_model(std::move(prepared), *surface, progress)
@@ -72,22 +61,16 @@ PointSet on_surface(ProjectInput& input, const ProjectOptions& o, ProjectResult&
     SurfaceProjection& moved = result.report.moved;
     return o.points ? resample_surface(model, *o.points, o.steps, progress, &moved)
                     : project_points(input.points, model, o.steps, progress, &moved);
-  } catch (const DataError& error) {
-    throw DataError(of + ": " + error.what());
-  }
+  });
 }
 
 PointSet consolidated(const ProjectInput& input, const ProjectOptions& o, ProjectReport& report, Progress& progress) {
   LopOptions lop = o.lop;
   lop.points = o.points;
   report.method = kLop;
-  try {
-    PointSet points = consolidate(input.points, lop, progress);
-    report.moved.projected = points.size();
-    return points;
-  } catch (const DataError& error) {
-    throw DataError(input.name + ": " + error.what());
-  }
+  PointSet points = with_name(input.name, [&] { return consolidate(input.points, lop, progress); });
+  report.moved.projected = points.size();
+  return points;
 }
 
 }  // namespace
@@ -97,7 +80,7 @@ const OptionSchema& ProjectOptions::schema() {
   static const std::string methods = "auto (what suits the samples), lop (consolidation of the input) or a surface: " +
                                      SurfaceMethod::registry().names();
   static const OptionRow rows[] = {
-      option<&O::method, ProjectMethodWords>({.text = methods, .unit = "name", .choices = project_methods()}),
+      option<&O::method, ListedWords<project_methods>>({.text = methods, .unit = "name", .choices = project_methods()}),
       option<&O::points>({.text = "Spread about this many new points over the surface instead of moving those given",
                           .unit = "count",
                           .range = {1, kMostPoints}}),

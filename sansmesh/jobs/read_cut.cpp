@@ -2,13 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <charconv>
-#include <cmath>
 #include <optional>
 #include <string_view>
 #include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/deform/mesh_occluder.h"
 #include "sansmesh/deform/planar_occluder.h"
@@ -21,41 +20,17 @@ namespace {
   throw ArgumentError(fmt::format("`cut` {}: {}", printable(text, 60), cause));
 }
 
-std::string_view without_blanks(std::string_view text) {
-  while (text.starts_with(' ')) text.remove_prefix(1);
-  while (text.ends_with(' ')) text.remove_suffix(1);
-  return text;
-}
-
-std::vector<std::string_view> parts_between(std::string_view text, char between) {
-  std::vector<std::string_view> parts;
-  for (std::size_t at = 0;;) {
-    const std::size_t end = text.find(between, at);
-    parts.push_back(text.substr(at, end == std::string_view::npos ? end : end - at));
-    if (end == std::string_view::npos) return parts;
-    at = end + 1;
-  }
-}
-
 std::vector<Vec3> vectors_of(const std::string& text, std::string_view words) {
   std::vector<Vec3> vectors;
-  for (const std::string_view part : parts_between(words, ';')) {
-    const std::vector<std::string_view> numbers = parts_between(part, ',');
-    Vec3 v;
-    bool read = numbers.size() == 3;
-    for (std::size_t k = 0; k < 3 && read; ++k) {
-      std::string_view word = without_blanks(numbers[k]);
-      if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
-      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), v[k]);
-      read = error == std::errc() && end == word.data() + word.size() && std::isfinite(v[k]);
-    }
-    if (!read) bad_cut(text, fmt::format("'{}' is not x,y,z", without_blanks(part)));
-    vectors.push_back(v);
+  for (const std::string& part : parts_between(words, ';')) {
+    const auto v = numbers_in(part, 3);
+    if (!v) bad_cut(text, fmt::format("'{}' is not x,y,z", without_blanks(part)));
+    vectors.push_back({(*v)[0], (*v)[1], (*v)[2]});
   }
   return vectors;
 }
 
-/// Calls; what is wrong with its numbers is said of the cut.
+/// Calls; errors of its numbers become errors of the cut.
 template <class Make>
 std::shared_ptr<const Occluder> made(const std::string& text, Make make) {
   try {
@@ -82,7 +57,7 @@ std::shared_ptr<const Occluder> read_cut(const std::string& text, const Box3& do
   }
   if (const auto words = inner("polygon")) {
     std::vector<std::vector<Vec3>> loops;
-    for (const std::string_view loop : parts_between(*words, '|')) loops.push_back(vectors_of(text, loop));
+    for (const std::string& loop : parts_between(*words, '|')) loops.push_back(vectors_of(text, loop));
     return made(text, [&] { return polygon_occluder(loops); });
   }
   if (all.find('(') != std::string_view::npos)

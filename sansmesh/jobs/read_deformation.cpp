@@ -3,11 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
+#include <limits>
 #include <memory>
 #include <utility>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/deform/handle_file.h"
 #include "sansmesh/io/io.h"
 #include "sansmesh/io/read_volume.h"
@@ -18,16 +19,6 @@ namespace {
 
 constexpr std::size_t kUsualHandles = 30;  // of registered pairs
 constexpr double kCutRoom = 0.25;          // around handles, where ways around meshes are found
-
-std::vector<std::string> comma_parts(const std::string& text) {
-  std::vector<std::string> parts;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    parts.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
-  return parts;
-}
 
 template <class List, class Write>
 std::string with_commas(const List& list, Write write) {
@@ -44,7 +35,7 @@ struct TwoFiles {
   }
   static std::vector<std::string> from(const OptionValue& value) {
     const auto& text = std::get<std::string>(value);
-    return text.empty() ? std::vector<std::string>() : comma_parts(text);
+    return text.empty() ? std::vector<std::string>() : between_commas(text);
   }
 };
 
@@ -58,17 +49,14 @@ struct VertexNumbers {
     std::vector<std::uint32_t> vertices;
     const auto& text = std::get<std::string>(value);
     if (text.empty()) return vertices;
-    for (std::string word : comma_parts(text)) {
-      word.erase(0, word.find_first_not_of(' '));
-      word.erase(word.find_last_not_of(' ') + 1);
-      std::uint32_t v = 0;
-      const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), v);
-      if (error != std::errc() || end != word.data() + word.size())
+    for (const std::string& word : between_commas(text)) {
+      const auto v = whole_in(word, 0, std::numeric_limits<std::uint32_t>::max());
+      if (!v)
         throw ArgumentError(ArgumentFault{.field = {},
                                           .value = "'" + printable(word, 60) + "'",
                                           .allowed = "numbers of vertices, which count from 0",
                                           .remedy = {}});
-      vertices.push_back(v);
+      vertices.push_back(static_cast<std::uint32_t>(*v));
     }
     return vertices;
   }

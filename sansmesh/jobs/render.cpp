@@ -12,6 +12,7 @@
 #include "sansmesh/jobs/draw_surface.h"
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/points/sample_confidence.h"
 #include "sansmesh/render/color_words.h"
 #include "sansmesh/render/mesh_picture.h"
@@ -86,7 +87,7 @@ void draw_mesh(PictureObject object, const PictureOptions& o, const UsePicture& 
                Progress& progress) {
   PointSet& points = object.points;
   check_kinds({points.triangles.empty() ? ObjectKind::points : ObjectKind::mesh}, o);
-  try {
+  with_name(object.name, [&] {
     if (o.cloud.remove_outliers) leave_out_outliers(points, object.name, result.notes, progress);
     RenderOptions look = o.look;
     const auto curvature = wants_curvature(look) ? curvature_of_samples(points, o.cloud, progress) : nullptr;
@@ -97,9 +98,7 @@ void draw_mesh(PictureObject object, const PictureOptions& o, const UsePicture& 
     leave_room(look, bar);
     const Image image = render_mesh(mesh, look, progress);
     use(0, beside_bar(image, bar, look), look);
-  } catch (const DataError& error) {
-    throw DataError(object.name + ": " + error.what());
-  }
+  });
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ struct SurfaceInVolumeLook {
   void validate() const;
 };
 
-/// What the colours stand for.
+/// The quantity that the colours show.
 struct ShownColors {
   std::optional<CurvatureColorOptions::Quantity> curvature;
   double range = 0;  ///< of the curvature that gets the full colour, in lengths of the input

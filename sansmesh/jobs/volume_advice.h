@@ -1,4 +1,4 @@
-// What can be made of a volume, by which method and with which of its arrays.
+// Advice on a volume: what can be made of it, by which method and with which arrays.
 #pragma once
 
 #include <array>

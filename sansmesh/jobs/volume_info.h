@@ -1,4 +1,4 @@
-// What a file of a volume holds.
+// Contents of a file of a volume.
 #pragma once
 
 #include <memory>

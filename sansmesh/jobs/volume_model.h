@@ -13,6 +13,7 @@
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/io/volume_read_options.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/schema/option.h"
 #include "sansmesh/volume/choose_reconstruction.h"
 
@@ -46,11 +47,7 @@ class VolumeModel {
   /// Calls; errors of the data get the name in front.
   template <class Call>
   auto naming(Call call) const {
-    try {
-      return call();
-    } catch (const DataError& error) {
-      throw DataError(printable(name_, 200) + ": " + error.what());
-    }
+    return with_name(name_, call);
   }
   /// Of the files, with the code "volume".
   std::vector<Note> notes() const;

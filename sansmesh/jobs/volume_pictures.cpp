@@ -5,6 +5,7 @@
 
 #include "sansmesh/core/error.h"
 #include "sansmesh/jobs/volume_subject.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/tubes.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_surfaces.h"
@@ -121,11 +122,7 @@ const VolumePictureOptions& VolumePictures::look() const { return state_->look; 
 Image VolumePictures::render(const ViewDirection& view, Progress& progress) {
   VolumePictureOptions look = state_->look;
   look.view = view;
-  try {
-    return state_->picture->render(look, progress, &state_->report);
-  } catch (const DataError& error) {
-    throw DataError(printable(state_->name, 200) + ": " + error.what());
-  }
+  return with_name(state_->name, [&] { return state_->picture->render(look, progress, &state_->report); });
 }
 
 const VolumePictureReport& VolumePictures::report() const { return state_->report; }

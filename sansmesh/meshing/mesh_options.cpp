@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "sansmesh/core/error.h"
-#include "sansmesh/core/number_text.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/search/ball_tree.h"
+#include "sansmesh/triangulation/divide_blocks.h"
 
 namespace sansmesh {
 namespace {
@@ -30,7 +30,7 @@ constexpr double kHeightOverGap = 14;
 /// Flat blocks are no larger than so many times the finest there: what lies between samples should be looked at.
 constexpr double kLargest = 16;
 
-/// Whether large triangles would do.
+/// Test for places where large triangles suffice.
 struct Flatness {
   const PointSet& feet;
   double most;
@@ -101,22 +101,7 @@ BlockTree surface_blocks(const SurfaceSupport& surface, double coarseness, const
     if (e <= finest) return e > kThinBlockEdge * coarseness * least && !surface.sharp && flatness->two_sided(touched);
     return !flatness->holds(touched);
   };
-  // Level by level: each block decides by itself.
-  std::vector<std::size_t> level{0}, next;
-  for (int depth = 0; depth < kDeepest && !level.empty(); ++depth) {
-    std::vector<std::uint8_t> divided(level.size());
-    parallel_ranges(0, level.size(), 64, [&](std::size_t first, std::size_t last) {
-      std::vector<std::uint32_t> touched;
-      for (std::size_t i = first; i < last; ++i) divided[i] = divides(level[i], touched);
-    });
-    next.clear();
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      if (!divided[i]) continue;
-      const std::size_t first = tree.subdivide(level[i]);
-      for (std::size_t k = 0; k < 8; ++k) next.push_back(first + k);
-    }
-    level.swap(next);
-  }
+  divide_blocks(tree, kDeepest, divides);
   return tree;
 }
 

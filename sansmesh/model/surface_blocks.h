@@ -11,7 +11,7 @@
 
 namespace sansmesh {
 
-/// What is known of a surface of samples without asking its field.
+/// Support of a surface of samples.
 struct SurfaceSupport {
   const BallUnion& balls;
   std::span<const float> spacings;  ///< around the centres (length); none where the balls tell how fine the surface is
@@ -20,7 +20,7 @@ struct SurfaceSupport {
   bool sharp = false;    ///< vertices are placed on sharp edges
 };
 
-/// Where large triangles would do.
+/// Data to find places where large triangles suffice.
 struct FlatSurface {
   const PointSet& feet;  ///< of the balls' centres, with normals
   double error;          ///< accepted gap between surface and triangles, on average (length)

@@ -21,7 +21,7 @@ namespace sansmesh {
 
 struct SurfaceOptions;
 
-/// What consumers need to know of a surface besides its field.
+/// Properties of a surface that its field does not tell.
 struct SurfaceTraits {
   /// It goes on where there are no samples, and is closed there, unless it bounds no solid.
   bool closes_holes = false;
@@ -31,7 +31,7 @@ struct SurfaceTraits {
   double jump = 0.01;
 };
 
-/// What a method makes of samples. Everything is in the coordinates of the prepared cloud, and owns what it needs.
+/// A surface made of samples. Everything is in the coordinates of the prepared cloud, and owns what it needs.
 struct SurfaceParts {
   /// Null where `make_field` makes it, for those who ask; pictures of projections never do.
   std::shared_ptr<const ScalarField> field;

@@ -35,7 +35,7 @@ struct BarEnds {
 /// of the picture itself). Pictures lower than 100 pixels stay as they are.
 Image beside_value_bar(const Image& image, const TransferFunction& function, const std::string& title,
                        std::span<const double> marks = {}, const Image* paper = nullptr, const BarEnds& ends = {});
-/// What is shown and its unit, as titles of bars have them: "NAME [UNIT]", or the name alone.
+/// Title of a colour bar: "NAME [UNIT]", or the name alone.
 std::string with_unit(const std::string& name, const std::string& unit);
 /// Pixels that the bar adds to a picture of this height.
 int value_bar_width(int height, const TransferFunction& function, const std::string& title);

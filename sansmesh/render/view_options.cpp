@@ -3,9 +3,11 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <charconv>
+#include <limits>
+#include <vector>
 
 #include "sansmesh/core/error.h"
+#include "sansmesh/core/option_text.h"
 
 namespace sansmesh {
 namespace {
@@ -15,18 +17,14 @@ constexpr std::string_view kNamedViews[] = {"front", "back", "left", "right", "t
 
 /// Four whole numbers with commas between them, the size at least 1.
 std::optional<PixelBox> pixel_box_of(std::string_view text) {
+  const std::vector<std::string> words = between_commas(text);
+  if (words.size() != 4) return std::nullopt;
   PixelBox box;
-  const char *at = text.data(), *const end = at + text.size();
+  std::size_t k = 0;
   for (int* const value : {&box.left, &box.top, &box.width, &box.height}) {
-    while (at != end && *at == ' ') ++at;
-    const auto [next, error] = std::from_chars(at, end, *value);
-    if (error != std::errc()) return std::nullopt;
-    at = next;
-    while (at != end && *at == ' ') ++at;
-    const bool last = value == &box.height;
-    if (*value < (value == &box.width || last ? 1 : 0)) return std::nullopt;
-    if (last ? at != end : at == end || *at != ',') return std::nullopt;
-    if (!last) ++at;
+    const auto number = whole_in(words[k], k < 2 ? 0 : 1, std::numeric_limits<int>::max());
+    if (!number) return std::nullopt;
+    *value = static_cast<int>(*number), ++k;
   }
   return box;
 }

@@ -31,7 +31,7 @@ struct ViewOptions {
   std::optional<PictureCrop> crop = {};
 
   static const OptionSchema& schema();
-  /// Whether a direction was chosen.
+  /// Tells whether a direction was chosen.
   bool has_direction() const { return view || azimuth || elevation; }
   /// The options as seen so. Throws ArgumentError for a part that does not lie in the picture.
   RenderOptions applied_to(RenderOptions options) const;

@@ -11,20 +11,13 @@
 
 namespace sansmesh {
 
-/// For `option<&Options::method, RegistryWords<VolumeMethod>>`, whose `choices` are names(). Programs add entries
-/// before options are asked for.
-template <class Entry>
-struct RegistryWords {
+/// For fields that are one of some names which are known when the program runs: `option<&Options::method,
+/// ListedWords<names>>`, whose `choices` are names().
+template <const std::vector<std::string_view>& (*list)()>
+struct ListedWords {
   static constexpr auto kind = OptionKind::choice;
 
-  static const std::vector<std::string_view>& names() {
-    static const std::vector<std::string_view> list = [] {
-      std::vector<std::string_view> all;
-      for (const Entry* const entry : Entry::registry().all()) all.emplace_back(entry->name);
-      return all;
-    }();
-    return list;
-  }
+  static const std::vector<std::string_view>& names() { return list(); }
   static OptionValue get(const std::string& name) {
     for (std::size_t i = 0; i < names().size(); ++i)
       if (names()[i] == name) return static_cast<std::int64_t>(i);
@@ -34,5 +27,18 @@ struct RegistryWords {
     return std::string(names().at(static_cast<std::size_t>(std::get<std::int64_t>(value))));
   }
 };
+
+/// Names of a registry. Programs add entries before options are asked for.
+template <class Entry>
+const std::vector<std::string_view>& registry_names() {
+  static const std::vector<std::string_view> list = [] {
+    std::vector<std::string_view> all;
+    for (const Entry* const entry : Entry::registry().all()) all.emplace_back(entry->name);
+    return all;
+  }();
+  return list;
+}
+template <class Entry>
+using RegistryWords = ListedWords<registry_names<Entry>>;
 
 }  // namespace sansmesh

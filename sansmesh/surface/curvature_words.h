@@ -15,7 +15,7 @@ inline constexpr std::string_view kCurvatureWords[] = {"mean", "gaussian", "k1",
 
 /// "mean", "gaussian", …
 const char* quantity_word(CurvatureQuantity quantity);
-/// Whether it is the word of one.
+/// Tells whether a word names one of them.
 bool is_curvature(std::string_view word);
 /// Throws ArgumentError for a word that is none of them.
 CurvatureQuantity curvature_quantity(std::string_view word);

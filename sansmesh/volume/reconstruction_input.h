@@ -1,4 +1,4 @@
-// What a reconstruction of a volume starts from.
+// Input of a reconstruction of a volume.
 #pragma once
 
 #include <memory>

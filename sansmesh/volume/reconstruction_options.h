@@ -11,7 +11,7 @@
 
 namespace sansmesh {
 
-/// What is absent is chosen from the data. Without a method nothing else may be set.
+/// Absent options are chosen from the data. Without a method no other option may be set.
 struct ReconstructionOptions {
   std::optional<std::string> method = {};  ///< a name of VolumeMethod::registry()
   std::optional<int> degree = {};          ///< mls, mls-detail: highest degree of polynomials, 0..4; lagrange: 1..5

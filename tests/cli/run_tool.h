@@ -79,7 +79,7 @@ class ToolTest : public ::testing::Test {
     std::filesystem::remove_all(folder_, ignored);
   }
 
-  /// What is run.
+  /// The program under test.
   virtual const char* program() const { return tool(); }
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
   void write(const std::string& name, const std::string& content) const {

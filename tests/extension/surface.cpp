@@ -14,7 +14,7 @@ namespace sansmesh {
 namespace {
 
 constexpr std::size_t kNeighbours = 10;
-/// Of a sample that falls onto the place.
+/// Least squared distance: a sample may coincide with the place.
 constexpr double kLeastSquare = 1e-12;
 
 class ShepardPlanes : public ScalarField {

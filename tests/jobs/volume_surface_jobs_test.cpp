@@ -231,7 +231,7 @@ TEST(VolumeAdvice, NamesArraysValuesAndSeeds) {
   EXPECT_EQ(advice.recommendations[0].aim, VolumeRecommendation::Aim::flow_picture);
 }
 
-/// That cells are a body is told by the grid itself, not by what it is called.
+/// The grid itself tells that its cells are a body, whatever it is called.
 TEST(VolumeAdvice, CellsInNoOrderAreABodyFittedToo) {
   Progress progress;
   const auto aims_at_forces = [&](VolumeModel& volume) {

@@ -1,4 +1,4 @@
-#include "sansmesh/core/number_text.h"
+#include "sansmesh/core/option_text.h"
 
 #include <algorithm>
 #include <charconv>
@@ -10,6 +10,16 @@ std::string_view without_blanks(std::string_view text) {
   while (text.starts_with(' ')) text.remove_prefix(1);
   while (text.ends_with(' ')) text.remove_suffix(1);
   return text;
+}
+
+std::vector<std::string> parts_between(std::string_view text, char between) {
+  std::vector<std::string> parts;
+  for (std::size_t at = 0; at <= text.size();) {
+    const std::size_t end = std::min(text.find(between, at), text.size());
+    parts.emplace_back(text.substr(at, end - at));
+    at = end + 1;
+  }
+  return parts;
 }
 
 bool reads_as_number(std::string_view text, double& value) {
@@ -33,12 +43,10 @@ std::optional<double> number_in(std::string_view text) {
 
 std::optional<std::vector<double>> numbers_in(std::string_view text) {
   std::vector<double> numbers;
-  for (std::size_t at = 0; at <= text.size();) {
-    const std::size_t end = std::min(text.find(',', at), text.size());
-    const std::optional<double> one = number_in(text.substr(at, end - at));
+  for (const std::string& part : between_commas(text)) {
+    const std::optional<double> one = number_in(part);
     if (!one) return std::nullopt;
     numbers.push_back(*one);
-    at = end + 1;
   }
   return numbers;
 }

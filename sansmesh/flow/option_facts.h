@@ -1,0 +1,22 @@
+// Facts of the options that lines and surfaces of flows share.
+#pragma once
+
+#include <string_view>
+
+#include "sansmesh/schema/option.h"
+
+namespace sansmesh {
+
+/// In the order of FlowDirection.
+inline constexpr std::string_view kFlowDirections[] = {"forward", "backward", "both"};
+
+inline constexpr OptionFacts kDirectionFacts{.text = "forward, backward or both", .choices = kFlowDirections};
+inline constexpr OptionFacts kStartFacts{
+    .text = "Moment at which particles leave", .unit = "time", .from_data = "the first of the flow"};
+inline constexpr OptionFacts kDurationFacts{.text = "How long they are followed",
+                                            .unit = "duration",
+                                            .from_data = "to the end of the flow",
+                                            .range = positive(),
+                                            .old_name = "time"};
+
+}  // namespace sansmesh

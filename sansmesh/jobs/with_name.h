@@ -1,0 +1,21 @@
+// Errors of data with the name of what they are about.
+#pragma once
+
+#include <string>
+#include <utility>
+
+#include "sansmesh/core/error.h"
+
+namespace sansmesh {
+
+/// Calls; a DataError gets the name in front: "scan.ply: holds no points".
+template <class Call>
+decltype(auto) with_name(const std::string& name, Call&& call) {
+  try {
+    return std::forward<Call>(call)();
+  } catch (const DataError& error) {
+    throw DataError(printable(name, 200) + ": " + error.what());
+  }
+}
+
+}  // namespace sansmesh

@@ -1,0 +1,34 @@
+// Division of the blocks of a tree, level by level.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/triangulation/block_tree.h"
+
+namespace sansmesh {
+
+/// Divides blocks from the root on, `levels` times at most. `divides(block, scratch)` decides for each block by itself,
+/// on several threads; `scratch` is room for indices that it may use.
+template <class Divides>
+void divide_blocks(BlockTree& tree, int levels, const Divides& divides) {
+  std::vector<std::size_t> level{0}, next;
+  for (int depth = 0; depth < levels && !level.empty(); ++depth) {
+    std::vector<std::uint8_t> divided(level.size());
+    parallel_ranges(0, level.size(), 64, [&](std::size_t first, std::size_t last) {
+      std::vector<std::uint32_t> scratch;
+      for (std::size_t i = first; i < last; ++i) divided[i] = divides(level[i], scratch);
+    });
+    next.clear();
+    for (std::size_t i = 0; i < level.size(); ++i) {
+      if (!divided[i]) continue;
+      const std::size_t first = tree.subdivide(level[i]);
+      for (std::size_t k = 0; k < 8; ++k) next.push_back(first + k);
+    }
+    level.swap(next);
+  }
+}
+
+}  // namespace sansmesh
