@@ -20,15 +20,15 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/folds.h"
 #include "sansmesh/deform/mls_deformation.h"
 #include "sansmesh/deform/rotation_fit.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/mesh/deformed_mesh.h"
 #include "sansmesh/meshing/mesh_csg.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/mesh_picture.h"
 
 namespace {

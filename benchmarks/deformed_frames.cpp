@@ -24,7 +24,7 @@
 #include "sansmesh/deform/handle_motion.h"
 #include "sansmesh/deform/mls_deformation.h"
 #include "sansmesh/field/deformed_volume.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/read_volume.h"
 #include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/transfer_presets.h"

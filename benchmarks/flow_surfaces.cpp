@@ -21,7 +21,6 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/dataset/volume_flow.h"
 #include "sansmesh/flow/analytic_flows.h"
@@ -29,6 +28,7 @@
 #include "sansmesh/flow/flow_surface.h"
 #include "sansmesh/flow/seeds.h"
 #include "sansmesh/io/read_volume.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/volume/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 

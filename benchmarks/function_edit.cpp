@@ -13,7 +13,7 @@
 #include "sansmesh/function/edit_function.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/update_mesh.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 
 namespace {

@@ -21,7 +21,7 @@
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 
 using namespace sansmesh;
 

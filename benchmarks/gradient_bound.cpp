@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "sansmesh/function/surface_function.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/search/ball_tree.h"
 #include "support/thin_shapes.h"

@@ -21,10 +21,10 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/dataset/volume_surface.h"
 #include "sansmesh/io/read_volume.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/surface/layer_projection.h"
 #include "sansmesh/volume/sample_slopes.h"

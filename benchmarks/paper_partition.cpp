@@ -15,15 +15,15 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/points/sample_faces.h"
+#include "sansmesh/progress.h"
 
 using namespace sansmesh;
 

@@ -13,13 +13,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/surface_picture.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 struct Cloud {
@@ -142,7 +142,7 @@ void run(const std::string& folder, int runs) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 
 int main(int argc, char** argv) {
   try {

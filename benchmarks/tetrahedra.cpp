@@ -21,13 +21,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/dataset/tet_dataset.h"
 #include "sansmesh/dynamics/soft_body.h"
 #include "sansmesh/dynamics/tet_geometry.h"
+#include "sansmesh/error.h"
+#include "sansmesh/progress.h"
 
 namespace {
 

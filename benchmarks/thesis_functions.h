@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
 namespace sansmesh::benchmark {
 

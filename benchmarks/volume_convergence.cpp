@@ -22,8 +22,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/core/progress.h"
+#include "sansmesh/error.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/volume/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "thesis_functions.h"

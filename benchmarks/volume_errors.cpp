@@ -25,9 +25,9 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/core/progress.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/read_volume.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/volume/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "sansmesh/volume/volume_locator.h"

@@ -21,10 +21,10 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/dataset/volume_dataset.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/read_volume.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/volume_picture.h"
 #include "sansmesh/volume/volume_boundary.h"

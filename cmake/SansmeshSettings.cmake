@@ -106,15 +106,22 @@ function(sansmesh_registry entry header list)
   file(CONFIGURE OUTPUT ${generated} @ONLY CONTENT
 "#include \"${header}\"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 ${declared}
 std::vector<std::span<const ${entry}>> ${list}() {
   return {${called}};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 ")
   target_sources(sansmesh PRIVATE ${generated})
   set_source_files_properties(${generated} TARGET_DIRECTORY sansmesh PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
+# Public headers of a room, include/sansmesh/NAME.h: installed, and read by scripts/check-includes.
+function(sansmesh_headers)
+  foreach(name IN LISTS ARGN)
+    set_property(GLOBAL APPEND PROPERTY SANSMESH_HEADERS ${PROJECT_SOURCE_DIR}/include/sansmesh/${name}.h)
+  endforeach()
 endfunction()

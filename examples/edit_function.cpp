@@ -7,7 +7,7 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/function/update_mesh.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 
 using namespace sansmesh;
 

@@ -5,8 +5,8 @@
 
 #include <cstdio>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 
 int main(int argc, char** argv) {
   if (argc != 3) {

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/section_file.h"

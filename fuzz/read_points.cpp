@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/readers.h"
 #include "target.h"
 

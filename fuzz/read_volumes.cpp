@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/adf_size.h"
 #include "sansmesh/io/netcdf_size.h"
 #include "sansmesh/io/volume_readers.h"

@@ -13,11 +13,11 @@
 #include <string_view>
 #include <type_traits>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/grid_data.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/io.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/vec.h"
 #include "support/clean_text.h"
 
 namespace sansmesh::fuzz {

@@ -12,7 +12,7 @@
 #include "flags.h"
 #include "option_groups.h"
 #include "sansmesh/advise/traits.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/points/noise.h"
 
 namespace sansmesh::cli {

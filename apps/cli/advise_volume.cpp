@@ -6,7 +6,7 @@
 #include <array>
 #include <cctype>
 
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/jobs/volume_advice.h"
 
 namespace sansmesh::cli {

@@ -11,7 +11,7 @@
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/transform_file.h"
 #include "sansmesh/jobs/align_picture.h"
 #include "sansmesh/jobs/cloud_or_mesh.h"

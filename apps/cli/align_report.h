@@ -2,7 +2,7 @@
 #pragma once
 
 #include "console.h"
-#include "sansmesh/data/affine_map.h"
+#include "sansmesh/affine_map.h"
 #include "sansmesh/mesh/align_surfaces.h"
 
 namespace sansmesh::cli {

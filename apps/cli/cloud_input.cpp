@@ -4,7 +4,7 @@
 
 #include "command_line.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/points/spacing.h"

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "console.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/given_normals.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/point_classes.h"

@@ -16,7 +16,7 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/index_in.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "schema_options.h"
 #include "surface_input.h"
 

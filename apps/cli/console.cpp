@@ -9,8 +9,8 @@
 #include <utility>
 
 #include "flags.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/error.h"
 #include "standard_output.h"
 
 namespace sansmesh::cli {

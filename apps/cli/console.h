@@ -7,10 +7,10 @@
 #include "interrupt.h"
 #include "json.h"
 #include "sansmesh/core/cancel_scope.h"
-#include "sansmesh/core/note.h"
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/io/output_batch.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
 
 namespace sansmesh::cli {
 

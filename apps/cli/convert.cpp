@@ -12,9 +12,9 @@
 #include "commands.h"
 #include "convert_steps.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
-#include "sansmesh/io/io.h"
 #include "sansmesh/jobs/split.h"
 #include "schema_options.h"
 

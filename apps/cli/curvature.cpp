@@ -10,7 +10,7 @@
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

@@ -10,11 +10,11 @@
 #include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/edit_script.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

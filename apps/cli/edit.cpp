@@ -9,12 +9,12 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/core/boxes.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/read_text.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/edit_script.h"
 #include "sansmesh/function/function_file.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
-#include "sansmesh/io/io.h"
 
 namespace sansmesh::cli {
 namespace {

@@ -8,9 +8,9 @@
 #include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

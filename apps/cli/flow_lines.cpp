@@ -11,7 +11,7 @@
 #include "commands.h"
 #include "flow_input.h"
 #include "option_groups.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/jobs/line_picture.h"
 #include "schema_options.h"
 

@@ -7,7 +7,7 @@
 #include "help_text.h"
 #include "manual_page.h"
 #include "parse_line.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "standard_output.h"
 
 namespace sansmesh::cli {

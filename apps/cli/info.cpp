@@ -9,9 +9,9 @@
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "volume_info.h"
 
 namespace sansmesh::cli {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
+#include "sansmesh/progress.h"
 
 namespace sansmesh::cli {
 

@@ -3,10 +3,10 @@
 
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "schema_options.h"

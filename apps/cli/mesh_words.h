@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "json.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/mesh/topology_words.h"
 
 namespace sansmesh::cli {

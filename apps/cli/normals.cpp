@@ -8,8 +8,8 @@
 #include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
-#include "sansmesh/io/io.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

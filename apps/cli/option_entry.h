@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
 
 namespace sansmesh::cli {
 

@@ -4,9 +4,9 @@
 
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
-#include "sansmesh/io/io.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

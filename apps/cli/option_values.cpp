@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "suggestions.h"
 
 namespace sansmesh::cli {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "option_values.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "suggestions.h"
 
 namespace sansmesh::cli {

@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "command_line.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/render/surface_caster.h"
 

@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

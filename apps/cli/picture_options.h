@@ -4,7 +4,7 @@
 #include <string>
 
 #include "command_line.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/view_options.h"
 

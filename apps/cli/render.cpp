@@ -10,7 +10,7 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "schema_options.h"
 #include "surface_options.h"
 

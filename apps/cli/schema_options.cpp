@@ -9,7 +9,7 @@
 #include "command_line.h"
 #include "flags.h"
 #include "option_values.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
 namespace sansmesh::cli {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
 
 namespace sansmesh::cli {
 

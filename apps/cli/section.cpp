@@ -9,8 +9,8 @@
 
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/measure/section_text.h"
 #include "schema_options.h"
 #include "surface_input.h"

@@ -9,7 +9,7 @@
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "schema_options.h"
 

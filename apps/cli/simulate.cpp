@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "commands.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/dataset/tet_dataset.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/file_content.h"
-#include "sansmesh/io/io.h"
 #include "sansmesh/io/vertex_list.h"
 #include "schema_options.h"
 #include "simulate_frames.h"

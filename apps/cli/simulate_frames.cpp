@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "picture_options.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
-#include "sansmesh/io/io.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/write_tets.h"
 

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/output_place.h"
 
 namespace sansmesh::cli {

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {

@@ -7,7 +7,7 @@
 
 #include "command_line.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/schema/registry_words.h"
 #include "schema_options.h"
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "commands.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_file.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/output_batch.h"
 #include "schema_options.h"
 #include "volume_input.h"

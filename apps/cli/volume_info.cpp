@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/volume_info.h"
 
 namespace sansmesh::cli {

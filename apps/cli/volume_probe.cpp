@@ -8,8 +8,8 @@
 
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/point_table.h"
 #include "volume_input.h"
 

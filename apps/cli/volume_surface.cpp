@@ -11,8 +11,8 @@
 
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/surface_in_volume_pictures.h"
 #include "schema_options.h"

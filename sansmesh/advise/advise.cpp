@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/number_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Aim = Recommendation::Aim;
@@ -207,4 +207,4 @@ Advice advise(const PointSet& points, Progress& progress) {
   return advice;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

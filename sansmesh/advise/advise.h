@@ -5,18 +5,18 @@
 #include <vector>
 
 #include "sansmesh/advise/traits.h"
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/note.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct Recommendation {
   enum class Aim { mesh, picture, curvature, points, solid, deformation } aim;
   std::string surface;           ///< by name
   bool sharp = false;            ///< SurfaceOptions::sharp
   bool remove_outliers = false;  ///< CloudUse::remove_outliers
-  std::string why;               ///< one sentence, which names options as errors do (core/error.h)
+  std::string why;               ///< one sentence, which names options as errors do (sansmesh/error.h)
 };
 
 struct Advice {
@@ -38,4 +38,4 @@ Advice advise(const PointSet& points, Progress& progress);
 /// mesh, picture, …
 const char* aim_word(Recommendation::Aim aim);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

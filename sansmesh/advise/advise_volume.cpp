@@ -4,7 +4,7 @@
 
 #include "sansmesh/volume/reconstruction.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using VolumeAim = VolumeRecommendation::Aim;
@@ -59,4 +59,4 @@ std::vector<VolumeRecommendation> advise_volume(const VolumeOffer& offer) {
   return list;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/volume/choose_reconstruction.h"
 #include "sansmesh/volume/volume_traits.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What there is to work with.
 struct VolumeOffer {
@@ -33,4 +33,4 @@ std::vector<VolumeRecommendation> advise_volume(const VolumeOffer& offer);
 /// values, grid, surface, border, …
 const char* aim_word(VolumeRecommendation::Aim aim);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "sansmesh/advise/traits.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/mesh/sewn_mesh.h"
 #include "sansmesh/points/denoise_normals.h"
@@ -22,7 +22,7 @@
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/points/spacing.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSpacingNeighbours = 16;  // as surfaces use it
@@ -233,4 +233,4 @@ CloudTraits measure_traits(PointSet given, Progress& progress, std::vector<std::
   return traits;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/orientation.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What matters for the choice. Everything but the outliers is told from some hundred places of the cloud.
 struct CloudTraits {
@@ -44,4 +44,4 @@ struct CloudTraits {
 /// second. Throws DataError where the points cannot be reconstructed at all.
 CloudTraits measure_traits(PointSet points, Progress& progress, std::vector<std::string>* warnings = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

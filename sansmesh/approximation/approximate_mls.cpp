@@ -5,10 +5,10 @@
 #include <string>
 
 #include "sansmesh/approximation/generating_matrix.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 template <int D>
 ApproximateMls<D>::ApproximateMls(std::span<const Position<D>> positions, std::span<const double> values,
@@ -97,4 +97,4 @@ template class ApproximateMls<1>;
 template class ApproximateMls<2>;
 template class ApproximateMls<3>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 #include "sansmesh/approximation/generating_functions.h"
 #include "sansmesh/approximation/sample_index.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// M f(x) = Σ_j g_j φ_j(x) with g = Σ_{k=0}^{n} (I − A)^k f, A_ij = φ_j(x_i): n iterations, yet each evaluation
 /// costs as much as with none. Samples may be in any position; coincident ones act as one with a higher weight.
@@ -54,4 +54,4 @@ extern template class ApproximateMls<1>;
 extern template class ApproximateMls<2>;
 extern template class ApproximateMls<3>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,10 +5,10 @@
 #include <limits>
 
 #include "sansmesh/approximation/generating_matrix.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 // The iteration without a sample is carried out as far from it as φ exceeds this fraction of its peak.
@@ -189,4 +189,4 @@ template ApproximateMlsChoice choose_shape_and_iterations<2>(std::span<const Pos
 template ApproximateMlsChoice choose_shape_and_iterations<3>(std::span<const Position<3>>, std::span<const double>,
                                                              const ApproximateMlsOptions&, const ApproximateMlsSearch&);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/approximation/approximate_mls_options.h"
 #include "sansmesh/approximation/sample_index.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ApproximateMlsSearch {
   /// Values of ε to try.
@@ -43,4 +43,4 @@ ApproximateMlsChoice choose_shape_and_iterations(std::span<const Position<D>> po
                                                  const ApproximateMlsOptions& options = {},
                                                  const ApproximateMlsSearch& search = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

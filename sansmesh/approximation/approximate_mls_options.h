@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <optional>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What the generating functions φ_j are divided by. The divisor is max(S, 0.55 T), where S sums the Gaussians (the
 /// φ_j of order 2) and T the |φ_j|. On regular samples that is S = 1. It has no zeros, unlike the sum of the φ_j of
@@ -35,4 +35,4 @@ struct ApproximateMlsOptions {
   std::size_t max_entries = std::size_t{1} << 30;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

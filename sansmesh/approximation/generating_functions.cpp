@@ -6,9 +6,9 @@
 #include <string>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using RadialName = std::pair<std::string_view, RadialFunction>;
@@ -160,4 +160,4 @@ double LaguerreGaussian::cutoff(double fraction) const {
   return std::sqrt(outside / factor_);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

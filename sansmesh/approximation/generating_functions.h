@@ -6,7 +6,7 @@
 #include <limits>
 #include <string_view>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A function of r = ‖x − x_i‖ and its slope φ'(r)/r: the gradient is slope · (x − x_i).
 struct RadialValue {
@@ -139,4 +139,4 @@ class LaguerreGaussian {
   double l_[3], m_[3];
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

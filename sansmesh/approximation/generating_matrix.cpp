@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 void check_options(const ApproximateMlsOptions& options, std::size_t samples, std::span<const double> values) {
   if (samples == 0) throw DataError("approximation: no samples");
@@ -111,4 +111,4 @@ template GeneratingMatrix generating_matrix<1>(const SampleIndex<1>&, const Lagu
 template GeneratingMatrix generating_matrix<2>(const SampleIndex<2>&, const LaguerreGaussian&, double, std::size_t);
 template GeneratingMatrix generating_matrix<3>(const SampleIndex<3>&, const LaguerreGaussian&, double, std::size_t);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -10,7 +10,7 @@
 #include "sansmesh/approximation/generating_functions.h"
 #include "sansmesh/approximation/sample_index.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// max(S, 0.55 T): with it every absolute row sum is below 1/0.55 < 2 and, φ being positive definite, the eigenvalues
 /// of the divided matrix lie in (0, 2): the iteration converges. The reciprocal, or 0 where there is nothing.
@@ -40,4 +40,4 @@ GeneratingMatrix generating_matrix(const SampleIndex<D>& samples, const Laguerre
 /// Throws as the constructor of ApproximateMls.
 void check_options(const ApproximateMlsOptions& options, std::size_t samples, std::span<const double> values);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

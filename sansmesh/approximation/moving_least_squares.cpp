@@ -6,10 +6,10 @@
 #include <map>
 #include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 template <int D>
 struct MovingLeastSquares<D>::Scratch {
@@ -164,4 +164,4 @@ template class MovingLeastSquares<1>;
 template class MovingLeastSquares<2>;
 template class MovingLeastSquares<3>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -11,7 +11,7 @@
 #include "sansmesh/approximation/orthogonal_polynomials.h"
 #include "sansmesh/approximation/sample_index.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct MovingLeastSquaresOptions {
   /// Degree of the local polynomials, 0 (Shepard) to 8.
@@ -73,4 +73,4 @@ extern template class MovingLeastSquares<1>;
 extern template class MovingLeastSquares<2>;
 extern template class MovingLeastSquares<3>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

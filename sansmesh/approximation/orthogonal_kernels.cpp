@@ -8,7 +8,7 @@
 #include "sansmesh/approximation/orthogonal_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -92,11 +92,11 @@ double SubtractFromResidual(std::size_t n, const double* HWY_RESTRICT row, doubl
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(MultiplyAndDot);
 HWY_EXPORT(SubtractRows);
 HWY_EXPORT(SubtractFromResidual);
@@ -115,5 +115,5 @@ double subtract_from_residual(std::size_t n, const double* row, double coefficie
   return HWY_DYNAMIC_DISPATCH(SubtractFromResidual)(n, row, coefficient, residual);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

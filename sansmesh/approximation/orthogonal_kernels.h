@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Rows are padded with zeros to a multiple of this: eight partial sums make the result independent of the width of
 /// the machine's vectors.
@@ -25,4 +25,4 @@ NormAndDot subtract_rows(std::size_t n, const double* const* others, const doubl
 /// residual[i] −= coefficient · row[i]; returns Σ residual[i]².
 double subtract_from_residual(std::size_t n, const double* row, double coefficient, double* residual);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "sansmesh/approximation/orthogonal_kernels.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 // A squared norm that shrinks below this fraction of the predecessor's has lost digits to cancellation: its row is made
@@ -275,4 +275,4 @@ template class OrthogonalFit<1>;
 template class OrthogonalFit<2>;
 template class OrthogonalFit<3>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 
 #include "sansmesh/approximation/polynomial_order.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Samples f_i at x_i with weights w_i >= 0 (empty: all 1), a structure of arrays of equal lengths.
 template <int D>
@@ -147,4 +147,4 @@ extern template class OrthogonalFit<1>;
 extern template class OrthogonalFit<2>;
 extern template class OrthogonalFit<3>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

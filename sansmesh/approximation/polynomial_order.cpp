@@ -3,7 +3,7 @@
 #include <map>
 #include <tuple>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 template <int D>
 const PolynomialOrder<D>& PolynomialOrder<D>::get() {
@@ -74,4 +74,4 @@ template class PolynomialOrder<1>;
 template class PolynomialOrder<2>;
 template class PolynomialOrder<3>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Number of monomials in `dimension` (1, 2 or 3) variables up to `degree` >= 0.
 constexpr int monomial_count(int dimension, int degree) {
@@ -66,4 +66,4 @@ extern template class PolynomialOrder<1>;
 extern template class PolynomialOrder<2>;
 extern template class PolynomialOrder<3>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,10 +8,10 @@
 
 #include "sansmesh/approximation/radial_cover.h"
 #include "sansmesh/approximation/radial_system.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kAutomaticDense = 1500;
@@ -243,4 +243,4 @@ template class RbfInterpolant<1>;
 template class RbfInterpolant<2>;
 template class RbfInterpolant<3>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

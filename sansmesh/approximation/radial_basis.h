@@ -11,7 +11,7 @@
 #include "sansmesh/approximation/generating_functions.h"
 #include "sansmesh/approximation/sample_index.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class RbfSolver {
   kAutomatic,  ///< kDense up to 1,500 samples; beyond, kSparse for Wendland's functions and kLocal for all others
@@ -90,4 +90,4 @@ extern template class RbfInterpolant<1>;
 extern template class RbfInterpolant<2>;
 extern template class RbfInterpolant<3>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

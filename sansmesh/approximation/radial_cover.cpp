@@ -6,7 +6,7 @@
 
 #include "sansmesh/approximation/generating_functions.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kOverlap = 1.25;  ///< radius of a ball over that of the cell's circumsphere
@@ -137,4 +137,4 @@ template class RadialCover<1>;
 template class RadialCover<2>;
 template class RadialCover<3>;
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -8,7 +8,7 @@
 
 #include "sansmesh/approximation/sample_index.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 template <int D>
 class RadialCover {
@@ -51,4 +51,4 @@ extern template class RadialCover<1>;
 extern template class RadialCover<2>;
 extern template class RadialCover<3>;
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -10,7 +10,7 @@
 #include "sansmesh/approximation/polynomial_order.h"
 #include "sansmesh/approximation/sample_index.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// A polynomial of degree <= 2 in u = (x − center) / scale, monomials in PolynomialOrder.
 template <int D>
@@ -61,4 +61,4 @@ SparseResult solve_sparse(const RadialKernel& kernel, double ridge, const Sample
                           std::span<const double> f, double tolerance, int max_iterations, PolynomialTail<D>& tail,
                           std::span<double> c);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

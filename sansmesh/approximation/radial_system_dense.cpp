@@ -4,9 +4,9 @@
 #include <string>
 
 #include "sansmesh/approximation/radial_system.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 template <int D>
 void PolynomialTail<D>::basis(const Position<D>& x, double* values) const {
@@ -146,4 +146,4 @@ SANSMESH_INSTANTIATE(2)
 SANSMESH_INSTANTIATE(3)
 #undef SANSMESH_INSTANTIATE
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -5,11 +5,11 @@
 #include <string>
 
 #include "sansmesh/approximation/radial_system.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr std::size_t kMaxEntries = std::size_t{1} << 30;
@@ -276,4 +276,4 @@ SANSMESH_INSTANTIATE(2)
 SANSMESH_INSTANTIATE(3)
 #undef SANSMESH_INSTANTIATE
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 // Coordinates of the tree lie in [−1, 1], those of queries are clamped to ±3: rounding to float and the float
@@ -110,4 +110,4 @@ template class SampleIndex<1>;
 template class SampleIndex<2>;
 template class SampleIndex<3>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A position in D variables.
 template <int D>
@@ -69,4 +69,4 @@ extern template class SampleIndex<1>;
 extern template class SampleIndex<2>;
 extern template class SampleIndex<3>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 double binary_scale(double largest) {
   constexpr double kModerate = 0x1p50;
@@ -28,4 +28,4 @@ double vector_length(std::span<const double> v) {
   return std::sqrt(sum) / scale;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <span>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The power of two by which numbers of at most `largest` (finite, >= 0) become about 1 large. It is 1 where they are
 /// moderate already (2^-50..2^50, about 1e-15..1e15) or all 0: ordinary results keep every bit. 2^-1000..2^1000.
@@ -25,4 +25,4 @@ inline double long_norm(const Vec3& v) {
 /// The length of a vector of any number of components, also where squares overflow or vanish.
 double vector_length(std::span<const double> v);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

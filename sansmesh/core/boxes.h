@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/union_find.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Whether two boxes have a point in common.
 template <class T>
@@ -85,4 +85,4 @@ std::size_t separate_sets(const std::vector<BoxT<T>>& boxes) {
   return count;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 thread_local const Progress* heard = nullptr;
@@ -27,4 +27,4 @@ ListenAs::ListenAs(const Progress* progress) : before_(heard) {
 ListenAs::~ListenAs() { heard = before_; }
 
 }  // namespace detail
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

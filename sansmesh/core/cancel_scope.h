@@ -1,9 +1,9 @@
 // Cancellation of work that is handed no Progress: loops, readers of files, waits.
 #pragma once
 
-#include "sansmesh/core/progress.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// While it lives, Progress::cancel() ends with Cancelled whatever the calling thread does in loops of parallel.h (on
 /// all their threads), in readers and writers of files, and in waits for pipes: at the next range of a loop, block of a
@@ -46,4 +46,4 @@ class ListenAs {
 };
 
 }  // namespace detail
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

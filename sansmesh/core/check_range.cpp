@@ -3,9 +3,9 @@
 #include <cmath>
 #include <string>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 void check_range(const char* name, double value, double lowest, double highest) {
   if (value >= lowest && value <= highest) return;
@@ -25,4 +25,4 @@ void check_argument(bool ok, const char* message) {
   if (!ok) throw ArgumentError(message);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,7 +1,7 @@
 // What options must be.
 #pragma once
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Throws ArgumentError that names the option, its range and the value unless lowest <= value <= highest.
 void check_range(const char* name, double value, double lowest, double highest);
@@ -9,4 +9,4 @@ void check_range(const char* name, double value, double lowest, double highest);
 /// Throws ArgumentError with that message unless `ok`.
 void check_argument(bool ok, const char* message);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 float gamma_encoded(double linear) {
@@ -28,4 +28,4 @@ Vec3f diverging_color(float t) {
           gamma_encoded(-0.0041960863 * l - 0.7034186147 * m + 1.7076147010 * k)};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,10 +1,10 @@
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
 #include <algorithm>
 #include <cstdint>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Characters of a cause: room for any sentence of ours with a few excerpts of a file in it.
@@ -73,4 +73,4 @@ ArgumentError::ArgumentError(const ArgumentFault& fault) : Error(words_of(fault)
 FileError::FileError(const std::string& file, const std::string& cause)
     : Error(printable(file) + ": " + printable(cause, kLongestCause)), file_(file) {}
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <limits>
 #include <type_traits>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The whole part of `x` (what is behind the point is dropped) as a number from `first` to `last`, first <= last:
 /// beyond them the nearer one, of NaN the first. A plain cast of a number that the type cannot hold is undefined, and
@@ -35,4 +35,4 @@ constexpr Whole whole_part(Real x) {
   return x < 0 ? index_in<Whole>(x, Limits::min(), 0) : index_in<Whole>(x, 0, Limits::max());
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

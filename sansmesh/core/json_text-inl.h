@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// "line 3, column 14" of the last byte that was read, the `byte`-th.
 inline std::string json_place(std::string_view text, std::size_t byte) {
@@ -60,4 +60,4 @@ Json parse_json_file(const std::string& file, std::string_view text) {
   }
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -1,9 +1,9 @@
 // Systems of three linear equations.
 #pragma once
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The 3×3 matrix (a, b, c), by columns: A x = x.x a + x.y b + x.z c. Solved by Cramer's rule, which takes few
 /// operations and is accurate as long as the determinant is not small against the product of the columns' lengths:
@@ -26,4 +26,4 @@ struct Matrix3 {
   }
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The upper median of the values, which it puts into another order; 0 of none.
 template <class T>
@@ -16,4 +16,4 @@ T median(std::vector<T>& values) {
   return *middle;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

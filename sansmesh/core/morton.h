@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace detail {
 
 /// Puts two zeros between neighbours of the low 21 bits.
@@ -38,4 +38,4 @@ inline std::array<std::uint32_t, 3> morton_cell(std::uint64_t code) {
   return {detail::gather_bits(code), detail::gather_bits(code >> 1), detail::gather_bits(code >> 2)};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 std::string grouped(std::uint64_t n) {
   const std::string digits = std::to_string(n);
@@ -20,4 +20,4 @@ std::string counted(std::uint64_t n, std::string_view noun) {
 
 std::string length_words(double length) { return fmt::format("{:.4g}", length); }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// 1234567 → "1,234,567".
 std::string grouped(std::uint64_t n);
@@ -16,4 +16,4 @@ std::string counted(std::uint64_t n, std::string_view noun);
 /// With four significant digits: "0.01234".
 std::string length_words(double length);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <charconv>
 #include <cmath>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 std::string_view without_blanks(std::string_view text) {
   while (text.starts_with(' ')) text.remove_prefix(1);
@@ -70,4 +70,4 @@ std::optional<long long> whole_in(std::string_view text, long long least, long l
   return error == std::errc() && next == text.data() + text.size() ? whole : static_cast<long long>(value);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A text without the blanks at its ends.
 std::string_view without_blanks(std::string_view text);
@@ -28,4 +28,4 @@ std::optional<std::vector<double>> numbers_in(std::string_view text, std::size_t
 /// The whole number of least..most that a text is, "1e6" included.
 std::optional<long long> whole_in(std::string_view text, long long least, long long most);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

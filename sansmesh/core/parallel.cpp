@@ -19,7 +19,7 @@
 
 #include "sansmesh/core/cancel_scope.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using tbb::global_control;
@@ -211,5 +211,5 @@ void parallel_sort(std::vector<KeyIndex>& values) { sort(values); }
 
 void lend_threads(const std::function<void()>& work) { enter_as_task(work); }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 #endif

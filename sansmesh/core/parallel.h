@@ -14,41 +14,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <vector>
 
-namespace sansmesh {
+#include "sansmesh/threads.h"
 
-/// Says how many threads the loops may use that the calling thread starts, itself included, and all loops within those:
-/// as long as the object lives, which must end on the same thread, in reverse order of scopes (a local variable).
-///
-///     {
-///       const ThreadScope two(2);
-///       mesh = reconstruct(points, options, progress);  // on this thread and one more
-///     }
-///
-/// Without a scope loops run where the calling thread is: in the oneTBB arena of a host, or on all cores. A scope has
-/// an arena of its own, and what a host says in oneTBB about other arenas, about the whole process, and what it runs on
-/// other threads stays as it is. If a host limits the whole process to fewer threads (`tbb::global_control`), fewer
-/// take part; a scope of more threads than there are cores lifts oneTBB's own limit to its size as long as it lives.
-class ThreadScope {
- public:
-  static constexpr int kMost = 1024;
-
-  /// 1 to kMost threads; 0 means all cores that the process may use. Throws ArgumentError for other numbers.
-  explicit ThreadScope(int threads);
-  ~ThreadScope();
-  ThreadScope(const ThreadScope&) = delete;
-  ThreadScope& operator=(const ThreadScope&) = delete;
-
-  struct Team;
-
- private:
-  std::unique_ptr<Team> team_;
-};
-
-/// How many threads a loop that starts here may use.
-int thread_count();
+namespace sansmesh::inline v1 {
 
 namespace detail {
 void parallel_ranges(std::size_t begin, std::size_t end, std::size_t grain,
@@ -108,4 +78,4 @@ void parallel_sort(std::vector<KeyIndex>& values);
 /// Calls work(), which runs loops of another library's on oneTBB: they use the threads that a loop started here would.
 void lend_threads(const std::function<void()>& work);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
 #if defined(__SANITIZE_THREAD__)
 #define SANSMESH_WATCHED_THREADS 1
@@ -17,7 +17,7 @@
 #define SANSMESH_WATCHED_THREADS 0
 #endif
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Throws ArgumentError unless `threads` is from 0 to `most`.
 inline void check_thread_count(int threads, int most) {
@@ -25,4 +25,4 @@ inline void check_thread_count(int threads, int most) {
     throw ArgumentError("threads: " + std::to_string(threads) + " is not a number from 0 to " + std::to_string(most));
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -19,7 +19,7 @@
 
 #include "sansmesh/core/cancel_scope.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Without a scope: more than there are cores, perhaps, for the sake of what can be seen.
@@ -107,5 +107,5 @@ void parallel_sort(std::vector<KeyIndex>& values) { std::sort(values.begin(), va
 
 void lend_threads(const std::function<void()>& work) { tbb::task_arena(1).execute(work); }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 #endif

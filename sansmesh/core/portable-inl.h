@@ -16,7 +16,7 @@
 #include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::portable {
+namespace sansmesh::inline v1::portable {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace pn = portable::HWY_NAMESPACE;  // without it the compiler finds Highway's functions of the same names
@@ -137,7 +137,7 @@ HWY_INLINE V Exp(const V& x) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::portable
+}  // namespace sansmesh::inline v1::portable
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -1,9 +1,9 @@
-#include "sansmesh/core/progress.h"
+#include "sansmesh/progress.h"
 
 #include <algorithm>
 #include <ctime>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 double process_cpu_seconds() {
   timespec t{};
@@ -45,4 +45,4 @@ void Progress::finish() {
   stage_.clear();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

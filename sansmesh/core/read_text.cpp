@@ -11,10 +11,10 @@
 #include <cstring>
 
 #include "sansmesh/core/cancel_scope.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kTick = 100;  // milliseconds of a wait between two looks for a cancellation
@@ -80,4 +80,4 @@ std::string read_text(const std::string& file) {
   return {bytes.begin(), bytes.end()};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

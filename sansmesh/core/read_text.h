@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// All of a small file (a script, handles, a transfer function). Throws FileError where it is missing, a folder, a
 /// device, unreadable or larger than 256 MiB.
@@ -33,4 +33,4 @@ struct Descriptor {
 };
 
 }  // namespace detail
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

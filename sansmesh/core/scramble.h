@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The finaliser of splitmix64: every bit of the result depends on all of x; 0 stays 0.
 constexpr std::uint64_t mixed_bits(std::uint64_t x) {
@@ -15,4 +15,4 @@ constexpr std::uint64_t mixed_bits(std::uint64_t x) {
 /// A step of splitmix64: neighbouring numbers get unrelated ones.
 constexpr std::uint64_t scrambled(std::uint64_t x) { return mixed_bits(x + 0x9e3779b97f4a7c15u); }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

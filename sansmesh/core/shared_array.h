@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A constant array of T that keeps alive what it lies in. Copies share; an edit makes a new one.
 template <class T>
@@ -38,4 +38,4 @@ class SharedArray {
   std::span<const T> view_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// With path halving. The root of a set is its least member, so results do not depend on the order of joins.
 class UnionFind {
@@ -30,4 +30,4 @@ class UnionFind {
   std::vector<std::uint32_t> parent_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

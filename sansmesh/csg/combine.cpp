@@ -8,7 +8,7 @@
 #include "sansmesh/csg/solid_expression.h"
 #include "sansmesh/csg/solid_node.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// More pairs of pieces than this are one piece together: their creases inside the blend are not resolved.
@@ -491,4 +491,4 @@ Solid shell(const Solid& a, double thickness, ShellSide side) {
 }
 
 }  // namespace csg
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,9 +2,9 @@
 
 #include <limits>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Kind = CsgParameter::Kind;
@@ -161,4 +161,4 @@ Solid combine_all(std::span<const Solid> solids, bool intersection) {
   return intersection ? csg::intersect(a, b) : csg::unite(a, b);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

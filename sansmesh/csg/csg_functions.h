@@ -8,7 +8,7 @@
 
 #include "sansmesh/csg/solid.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct CsgParameter {
   enum class Kind {
@@ -65,4 +65,4 @@ std::span<const CsgFunction> csg_functions();
 /// The union (sign 1) or intersection of all, as a balanced tree: far parts of it need not be evaluated.
 Solid combine_all(std::span<const Solid> solids, bool intersection);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,9 +5,9 @@
 #include <charconv>
 #include <cstdint>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMaxLength = std::size_t{1} << 20;
@@ -120,4 +120,4 @@ void csg_error(std::size_t at, const std::string& cause) {
   throw ArgumentError(fmt::format("expression at {}: {}", at, printable(cause, 400)));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

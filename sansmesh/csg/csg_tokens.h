@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct CsgToken {
   enum class Kind { name, quoted, number, symbol, end };
@@ -23,4 +23,4 @@ std::vector<CsgToken> csg_tokens(std::string_view text);
 /// Throws ArgumentError "expression at AT: CAUSE".
 [[noreturn]] void csg_error(std::size_t at, const std::string& cause);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

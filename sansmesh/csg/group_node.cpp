@@ -7,12 +7,12 @@
 #include <numeric>
 #include <utility>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/csg/solid_expression.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kClusterSize = 16;
@@ -347,4 +347,4 @@ NodePtr group_of(const NodePtr& a, const NodePtr& b, double sign) {
   return std::make_shared<GroupNode>(std::move(members), sign);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 
 #include "sansmesh/csg/solid_node.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The smallest (sign 1, a union) or largest (sign −1, an intersection) value of its members, all with slopes of 1 at
 /// most, without blends. What a chain of pairs is, and numbered as that, but each batch of points asks only members
@@ -73,4 +73,4 @@ class GroupNode final : public SolidNode {
 /// Both must be lipschitz().
 NodePtr group_of(const NodePtr& a, const NodePtr& b, double sign);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

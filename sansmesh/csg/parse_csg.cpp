@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "sansmesh/core/cancel_scope.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/csg/csg_functions.h"
 #include "sansmesh/csg/csg_tokens.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Token = CsgToken;
@@ -331,4 +331,4 @@ Solid parse_csg(const std::string& text, const SolidLoader& loader, const SolidL
   return Parser(text, loader, distance_loader).run();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

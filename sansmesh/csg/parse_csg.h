@@ -6,7 +6,7 @@
 
 #include "sansmesh/csg/solid.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Makes the solid that a name in an expression stands for, usually that of a file. Called once for each name.
 using SolidLoader = std::function<Solid(const std::string& name)>;
@@ -17,4 +17,4 @@ using SolidLoader = std::function<Solid(const std::string& name)>;
 /// go to `distance_loader` if there is one.
 Solid parse_csg(const std::string& text, const SolidLoader& loader, const SolidLoader& distance_loader = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

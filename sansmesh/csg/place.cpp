@@ -5,13 +5,13 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/csg/solid_expression.h"
 #include "sansmesh/csg/solid_node.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/similarity.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 class PlacedNode final : public SolidNode {
@@ -234,4 +234,4 @@ Solid place(const Solid& a, const Placement& placement) {
 }
 
 }  // namespace csg
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

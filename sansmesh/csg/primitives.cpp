@@ -5,12 +5,12 @@
 #include <array>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/csg/solid_expression.h"
 #include "sansmesh/csg/solid_node.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 struct Sample {
@@ -429,4 +429,4 @@ Solid capsule(const Vec3& from, const Vec3& to, double radius) {
 }
 
 }  // namespace csg
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/csg/solid_node.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Points that go through the whole tree together: the buffers of all nodes on the way stay in the cache.
@@ -130,4 +130,4 @@ void Solid::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange>
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

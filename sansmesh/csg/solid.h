@@ -5,10 +5,10 @@
 #include <memory>
 #include <optional>
 
-#include "sansmesh/data/placement.h"
 #include "sansmesh/field/piecewise_field.h"
+#include "sansmesh/placement.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 class SolidNode;
 
@@ -135,4 +135,4 @@ Solid mirror(const Solid& a, const Vec3& normal, double offset = 0);
 Solid place(const Solid& a, const Placement& placement);
 
 }  // namespace csg
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 #include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/csg/solid.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using NodeKind = PieceExpression::Node::Kind;
@@ -480,4 +480,4 @@ std::shared_ptr<const PieceExpression> expression_of(std::shared_ptr<const Solid
 
 std::shared_ptr<const PieceExpression> Solid::expression(double tie) const { return expression_of(node_, tie); }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,12 +9,12 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/csg/solid_node.h"
 #include "sansmesh/field/piece_expression.h"
 #include "sansmesh/field/similarity.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How the values of a node enter the whole: sign · (those of the node moved by `map`) + shift + tie.
 struct ExpressionFrame {
@@ -98,4 +98,4 @@ class ExpressionBuilder {
 /// Nothing where a part of the tree is no such thing.
 std::shared_ptr<const PieceExpression> expression_of(std::shared_ptr<const SolidNode> root, double tie);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Evaluation and destruction go as deep as the tree.
@@ -100,4 +100,4 @@ Vec3 require_direction(const char* what, const char* name, const Vec3& value) {
   return normalized(value / largest);  // squares of huge or tiny components would overflow
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

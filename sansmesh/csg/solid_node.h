@@ -8,10 +8,10 @@
 #include <optional>
 #include <span>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/field/piecewise_field.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 class Solid;
 class ExpressionBuilder;
@@ -130,4 +130,4 @@ void require_positive(const char* what, const char* name, double value);
 /// The unit vector; a zero one is an error too.
 Vec3 require_direction(const char* what, const char* name, const Vec3& value);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

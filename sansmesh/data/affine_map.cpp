@@ -1,4 +1,4 @@
-#include "sansmesh/data/affine_map.h"
+#include "sansmesh/affine_map.h"
 
 #include <array>
 #include <cmath>
@@ -6,14 +6,14 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/error.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kTransformed = 1 << 15;
@@ -110,4 +110,4 @@ void transform(TriangleMesh& mesh, const AffineMap& map) {
   if (map.determinant() < 0) swap_corners(mesh.triangles);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-#include "sansmesh/data/attribute_table.h"
+#include "sansmesh/attribute_table.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +6,10 @@
 #include <numeric>
 #include <type_traits>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kGrain = 16384;
@@ -282,4 +282,4 @@ std::vector<std::string> keep_common(AttributeTable& a, std::span<const Attribut
   return gone;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

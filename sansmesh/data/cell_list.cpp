@@ -1,6 +1,6 @@
-#include "sansmesh/data/cell_list.h"
+#include "sansmesh/cell_list.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Edge = std::array<std::uint8_t, 2>;
@@ -50,4 +50,4 @@ std::span<const CellFace> cell_faces(CellShape shape) {
   return kHexahedronFaces;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/length_limits.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Corners of a lattice, or all points that are finite.
@@ -46,4 +46,4 @@ std::string out_of_limits(const GridData& data) {
   return {};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Why a volume of this grid cannot be computed: coordinates beyond `kLargestOfVolume`, or an extent below
 /// `kSmallestOfVolume`. Some of what is made of a volume is float in a unit that suits it, and the unit itself has to
 /// fit, too. Empty if nothing is in the way.
 std::string out_of_limits(const GridData& data);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

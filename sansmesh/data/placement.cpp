@@ -1,13 +1,13 @@
-#include "sansmesh/data/placement.h"
+#include "sansmesh/placement.h"
 
 #include <cmath>
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMoved = 1 << 15;
@@ -59,4 +59,4 @@ void move_to_input(TriangleMesh& mesh, const Placement& place) {
   mesh.origin = origin_in_input(mesh.origin, place);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,11 +1,11 @@
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
 #include <algorithm>
 #include <string>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 template <class T>
@@ -71,4 +71,4 @@ void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask) {
   keep_unmarked(points.positions, mask);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,6 +1,6 @@
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 void SampledVolume::star(std::size_t sample, std::vector<std::uint32_t>& out) const {
   if (!lattice) {
@@ -31,4 +31,4 @@ Box3 SampledVolume::bounds() const {
   return box;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,8 +1,8 @@
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 TriangleMesh to_mesh(PointSet points) {
   TriangleMesh mesh;
@@ -16,4 +16,4 @@ TriangleMesh to_mesh(PointSet points) {
   return mesh;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

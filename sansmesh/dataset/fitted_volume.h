@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/data/number_type.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/assemble_volume.h"
 #include "sansmesh/volume/reconstruction_coefficients.h"
 #include "sansmesh/volume/reconstruction_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// An array of a dataset. One name may stand for two: one of points and one of cells.
 struct DatasetArray {
@@ -38,4 +38,4 @@ struct FittedVolume {
   std::vector<std::string> notes;  ///< what a user should know of that file
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

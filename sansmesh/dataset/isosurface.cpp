@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "sansmesh/core/binary_scale.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
@@ -18,7 +18,7 @@
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/volume/volume_boundary.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Places whose slopes the scale of the values is taken from, at most.
@@ -364,4 +364,4 @@ Solid isosurface_solid(const std::shared_ptr<const Isosurface>& surface) {
   return csg::place(own_solid(surface), place);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

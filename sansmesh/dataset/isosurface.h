@@ -11,21 +11,21 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
+#include "sansmesh/box.h"
 #include "sansmesh/csg/solid.h"
-#include "sansmesh/data/placement.h"
-#include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/dataset/value_ranges.h"
-#include "sansmesh/field/scalar_field.h"
-#include "sansmesh/field/volume_field.h"
 #include "sansmesh/meshing/mesh_options.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/placement.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
 #include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Where the volume is: negative inside, about the distance to its boundary (with the sign of the locator). In
 /// coordinates of its own.
@@ -121,4 +121,4 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
 /// {f > value} as a solid in the input's coordinates, which ends at the volume's boundary.
 Solid isosurface_solid(const std::shared_ptr<const Isosurface>& surface);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

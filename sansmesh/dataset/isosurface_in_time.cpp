@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "sansmesh/core/binary_scale.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Places at which the slope is looked at in each step, at most.
@@ -140,4 +140,4 @@ void IsosurfaceInTime::ranges(std::span<const Vec3> x, double radius, std::span<
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

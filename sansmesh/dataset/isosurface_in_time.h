@@ -6,14 +6,14 @@
 #include <memory>
 #include <vector>
 
-#include "sansmesh/data/placement.h"
-#include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/dataset/value_ranges.h"
 #include "sansmesh/field/time_field.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/placement.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A moment at which a volume is known.
 struct IsosurfaceStep {
@@ -55,4 +55,4 @@ class IsosurfaceInTime final : public TimeField {
   std::vector<std::unique_ptr<const ValueRanges>> ranges_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

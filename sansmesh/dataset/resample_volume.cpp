@@ -9,12 +9,12 @@
 #include <limits>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/option_text.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMostSize = 4096, kMostAxis = 65536;
@@ -168,4 +168,4 @@ GridBlock resample_volume(const VolumeField& field, const std::string& name, con
   return block;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

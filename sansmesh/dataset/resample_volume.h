@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/grid_data.h"
-#include "sansmesh/field/volume_field.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/box.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ResampleOptions {
   /// Points along the longest side of the box, 2..4096; those of the others follow, so that steps are equal. Or points
@@ -32,4 +32,4 @@ struct ResampleOptions {
 GridBlock resample_volume(const VolumeField& field, const std::string& name, const ResampleOptions& options,
                           Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

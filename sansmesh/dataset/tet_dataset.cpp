@@ -7,12 +7,12 @@
 #include <numeric>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/read_volume.h"
 #include "sansmesh/volume/cell_tetrahedra.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kFlatTet = 1e-12;  ///< volume over the cube of the longest edge
@@ -190,4 +190,4 @@ TetDataset read_tets(const std::string& file) {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

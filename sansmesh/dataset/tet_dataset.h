@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/data/grid_data.h"
-#include "sansmesh/data/tet_mesh.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/tet_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct TetDataset {
   TetMesh mesh;                          ///< all volumes positive, no vertex without a tetrahedron
@@ -30,4 +30,4 @@ TetDataset tet_dataset(const GridData& data);
 /// The same of a file (read_volume). Throws FileError.
 TetDataset read_tets(const std::string& file);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

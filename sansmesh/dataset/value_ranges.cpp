@@ -12,7 +12,7 @@
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kEndless = std::numeric_limits<float>::infinity();
@@ -249,4 +249,4 @@ std::vector<Vec3> ValueRanges::places_of(double value) const {
   return places;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/placement.h"
-#include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/placement.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/search/box_levels.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Built once, then asked from any thread. Cells in groups of neighbours, under a tree that knows the least and the
 /// largest value of all samples below: reconstructions that are smoother than the samples' own cells go beyond these by
@@ -55,4 +55,4 @@ class ValueRanges {
   double scale_ = 1;  ///< of the values in the tree, which are floats
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

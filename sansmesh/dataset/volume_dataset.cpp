@@ -8,10 +8,10 @@
 #include <limits>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/volume_component.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Adds a block's array to what is known of those of its name.
@@ -217,4 +217,4 @@ std::optional<IsosurfaceName> parse_isosurface_name(const std::string& text) {
   return name;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,15 +8,15 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/grid_data.h"
-#include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/dataset/fitted_volume.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What of an array is meant by "NAME", "NAME:1", "NAME:y" or "NAME:magnitude".
 struct ArrayChoice {
@@ -91,4 +91,4 @@ struct IsosurfaceName {
 /// value is no number or something is missing.
 std::optional<IsosurfaceName> parse_isosurface_name(const std::string& text);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

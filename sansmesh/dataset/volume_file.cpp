@@ -10,13 +10,13 @@
 #include <set>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/section_file.h"
 #include "sansmesh/volume/check_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Written in a fixed order, but read into maps: these find the fields of a hostile description quickly.
@@ -404,4 +404,4 @@ FittedVolume read_volume_file(const SectionFile& file) {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

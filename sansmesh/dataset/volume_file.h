@@ -5,7 +5,7 @@
 
 #include "sansmesh/dataset/fitted_volume.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 class SectionFile;
 
@@ -22,4 +22,4 @@ FittedVolume read_volume_file(const SectionFile& file);
 /// print become \xNN. What is written does not depend on the number of threads. Throws FileError.
 void write_volume_file(const std::string& file, const FittedVolume& fitted);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

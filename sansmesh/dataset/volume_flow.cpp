@@ -11,10 +11,10 @@
 #include <utility>
 
 #include "sansmesh/core/cancel_scope.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 class VolumeFlow final : public VectorField {
@@ -324,4 +324,4 @@ std::unique_ptr<VectorField> flow_in_time(std::vector<double> times, std::functi
   return std::make_unique<FlowInTime>(std::move(times), std::move(load), options);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

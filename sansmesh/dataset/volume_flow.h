@@ -7,10 +7,10 @@
 #include <memory>
 #include <vector>
 
-#include "sansmesh/field/vector_field.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/vector_field.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A field of two (then z is 0) or three components as a steady flow. Throws ArgumentError for others.
 std::unique_ptr<VectorField> volume_flow(std::shared_ptr<const VolumeField> field);
@@ -45,4 +45,4 @@ struct FlowSeriesOptions {
 std::unique_ptr<VectorField> flow_in_time(std::vector<double> times, std::function<FlowStep(std::size_t)> load,
                                           const FlowSeriesOptions& options = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,12 +9,12 @@
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dataset/isosurface.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_steps.h"
@@ -26,7 +26,7 @@
 #include "sansmesh/triangulation/divide_blocks.h"
 #include "sansmesh/volume/sample_slopes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// The kind as a flag.
@@ -699,4 +699,4 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
   return points;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

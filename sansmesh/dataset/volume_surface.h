@@ -8,18 +8,18 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/placement.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/meshing/mesh_options.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/placement.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct VolumeSurfaceOptions {
   enum class Kind {
@@ -115,4 +115,4 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
 /// normals: splats, in the input's coordinates. Throws ArgumentError for other distances.
 PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<double> distance, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/planar_fill.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using OnPlane = PlanarOccluder::Point;
@@ -298,4 +298,4 @@ std::size_t add_cut_faces(TriangleMesh& mesh, const Slit& slit, const PlanarOccl
   return FaceMaker(mesh, cut, edge_length, inward).make(slit);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,11 +3,11 @@
 
 #include <cstddef>
 
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/deform/planar_occluder.h"
 #include "sansmesh/deform/slit.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Adds the part of the plane within a solid, on both sides of the cut, to its opened mesh. Where the cut ends within
 /// the solid the two faces share their vertices along its border. Inner vertices carry what belongs to the nearest one
@@ -16,4 +16,4 @@ namespace sansmesh {
 std::size_t add_cut_faces(TriangleMesh& mesh, const Slit& slit, const PlanarOccluder& cut, double edge_length,
                           bool inward = false);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

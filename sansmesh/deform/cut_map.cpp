@@ -6,7 +6,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kCutMapGrain = 4096;
@@ -136,4 +136,4 @@ void CutMap::images(std::span<const Box3> boxes, std::span<Box3> found) const {
   lattice_.images(wider, found);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,12 +7,12 @@
 #include <memory>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/occluder.h"
-#include "sansmesh/field/space_map.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/space_map.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Answers come from the lattice but in its cells that a cut passes and those next to them: there the map itself is
 /// asked. So the faces of gaps lie where they are and what belongs to one side of a cut is not mixed with the other's,
@@ -42,4 +42,4 @@ class CutMap final : public SpaceMap {
   std::vector<std::uint8_t> beside_cut_;  // of each cell
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

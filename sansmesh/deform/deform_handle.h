@@ -5,7 +5,7 @@
 
 #include "sansmesh/deform/handles.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 struct DeformHandle {
   Vec3 p, q;
@@ -16,4 +16,4 @@ struct DeformHandle {
   double reach = 0;
 };
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -7,12 +7,12 @@
 #include <numeric>
 #include <string>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/deform/handle_conflicts.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kLeastWeight = 1e-60;  // of a handle against one that is at the place
@@ -234,4 +234,4 @@ DeformSetup set_up_deformation(const std::vector<Handle>& handles, const MlsDefo
   return setup;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

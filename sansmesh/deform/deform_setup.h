@@ -9,7 +9,7 @@
 #include "sansmesh/deform/handles.h"
 #include "sansmesh/deform/polynomial_terms.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Handles that lie on a line, before or after, leave the turn about it open.
 enum class HandleLine : std::uint8_t { none, after, before, point };
@@ -28,4 +28,4 @@ struct DeformSetup {
 /// Throws ArgumentError as MlsDeformation does.
 DeformSetup set_up_deformation(const std::vector<Handle>& handles, const MlsDeformationOptions& options);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::string_view kDeformationKinds[] = {"affine", "similarity", "rigid", "nonlinear"};
@@ -32,4 +32,4 @@ const OptionSchema& MlsDeformationOptions::schema() {
 
 void MlsDeformationOptions::validate() const { validate_options(*this); }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string_view>
 
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class DeformationKind : std::uint8_t {
   affine,      ///< at least 4 handles, not in a plane
@@ -34,4 +34,4 @@ struct MlsDeformationOptions {
   void validate() const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,11 +8,11 @@
 #include <string>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kLookups = 1024;
@@ -299,4 +299,4 @@ DisplacementMap displacement_map_of(const GridBlock& block) {
   return {box, sizes, std::move(displacements), std::move(gaps)};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,14 +7,14 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/shared_array.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/grid_data.h"
-#include "sansmesh/field/space_map.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/space_map.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// T(x) = x + D(x), D trilinear between the points of a lattice and the same as at the nearest place of its box outside
 /// of that. Derivatives are 1 + those of D by differences over two cells, interpolated like D: continuous, and between
@@ -71,4 +71,4 @@ DisplacementMap displacement_map(const SpaceMap& map, const Box3& box, const std
 GridBlock displacement_block(const DisplacementMap& map);
 DisplacementMap displacement_map_of(const GridBlock& block);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

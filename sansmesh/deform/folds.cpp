@@ -8,11 +8,11 @@
 #include <unordered_map>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kFoldChunk = 512;
@@ -127,4 +127,4 @@ FoldReport find_folds(const SpaceMap& map, const Box3& box, const std::array<std
   return report;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

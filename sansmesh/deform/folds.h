@@ -5,12 +5,12 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/grid_data.h"
-#include "sansmesh/field/space_map.h"
+#include "sansmesh/box.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/space_map.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Neighbouring points of a lattice where the determinant of the map's Jacobian is not above 0.
 struct Fold {
@@ -32,4 +32,4 @@ struct FoldReport {
 FoldReport find_folds(const SpaceMap& map, const Box3& box, const std::array<std::size_t, 3>& sizes,
                       Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

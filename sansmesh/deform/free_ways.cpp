@@ -9,7 +9,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
@@ -271,4 +271,4 @@ FreeWays::Value FreeWays::interpolate(const std::vector<float>& values, const Ve
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/deform/triangle_sheet.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A lattice over a box with what of it a sheet cuts. From a place, nodes that it sees are straight away. Ways to the
 /// others are found in the order of their lengths: each node knows the last bend of its way, from which it is straight
@@ -58,4 +58,4 @@ class FreeWays {
   std::vector<std::uint8_t> cut_;        // of each node: the cell that begins there may hold a part of the sheet
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

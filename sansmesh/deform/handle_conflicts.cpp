@@ -7,10 +7,10 @@
 #include <numeric>
 #include <string>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 double fraction_near(const DeformHandle& h, const Vec3& x) {
@@ -68,4 +68,4 @@ void check_handle_conflicts(const std::vector<DeformHandle>& handles, double tog
   }
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -5,10 +5,10 @@
 
 #include "sansmesh/deform/deform_handle.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Throws ArgumentError naming two handles (counted from 1) that went to the same place, nearer than `together`, from
 /// places farther apart than `apart`.
 void check_handle_conflicts(const std::vector<DeformHandle>& handles, double together, double apart);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -10,12 +10,12 @@
 #include <set>
 #include <string_view>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/json_text-inl.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/read_text.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using HandleJson = nlohmann::ordered_json;
@@ -299,4 +299,4 @@ std::vector<std::uint32_t> spread_vertices_of(const PointSet& points, std::size_
   return chosen;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

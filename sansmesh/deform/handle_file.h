@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/deform/handles.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Handles as JSON, or as a table (where the text does not begin with a brace): rows px,py,pz,qx,qy,qz and, where there
 /// are seven numbers, the weight. `name` is that of the file in errors. A handle without `q` stays where it is.
@@ -32,4 +32,4 @@ std::vector<Handle> handles_of_pair(const PointSet& before, const PointSet& afte
 /// one is taken.
 std::vector<std::uint32_t> spread_vertices_of(const PointSet& points, std::size_t count);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

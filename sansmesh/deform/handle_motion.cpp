@@ -8,7 +8,7 @@
 
 #include "sansmesh/deform/rotation_fit.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kNoTurn = 1e-9;  // radians: below it a motion is a translation
@@ -146,4 +146,4 @@ std::vector<Handle> handles_at(std::span<const Handle> handles, double share) {
   return now;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

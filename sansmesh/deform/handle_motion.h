@@ -6,7 +6,7 @@
 
 #include "sansmesh/deform/handles.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The handles as far as they are at a share of the way, 0..1 (other shares go on). Those of one group move as one body
 /// on a screw, the rotation and translation that fits their way best, and what is left of each handle's way grows
@@ -14,4 +14,4 @@ namespace sansmesh {
 /// with their group, or by the shortest way. At 0 all are where they were before, at 1 where they are after.
 std::vector<Handle> handles_at(std::span<const Handle> handles, double share);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/data/polyline_set.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/arrows.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/tubes.h"
+#include "sansmesh/polyline_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kBallLevels = 2;          // of an octahedron: 128 triangles
@@ -147,4 +147,4 @@ TriangleMesh fold_shapes(const FoldReport& folds, const std::array<std::uint8_t,
   return mesh;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

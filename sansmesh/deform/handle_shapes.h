@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <span>
 
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/deform/folds.h"
 #include "sansmesh/deform/handles.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct HandleShapeOptions {
   double radius = 0;  ///< of the balls, > 0 (length)
@@ -24,4 +24,4 @@ TriangleMesh handle_shapes(std::span<const Handle> handles, const HandleShapeOpt
 /// there are none.
 TriangleMesh fold_shapes(const FoldReport& folds, const std::array<std::uint8_t, 3>& color = {222, 30, 30});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

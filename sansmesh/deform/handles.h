@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A unit direction before and after.
 struct TurnedDirection {
@@ -41,4 +41,4 @@ inline std::vector<Handle> reversed(std::vector<Handle> handles) {
   return handles;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

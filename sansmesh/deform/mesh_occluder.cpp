@@ -8,11 +8,11 @@
 #include <mutex>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/deform/free_ways.h"
 #include "sansmesh/deform/triangle_sheet.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kGrowth = 0.5;  // of the diagonal: default domain
@@ -147,4 +147,4 @@ std::shared_ptr<const Occluder> mesh_occluder(const TriangleMesh& mesh, const Me
   return std::make_shared<MeshOccluder>(mesh, options);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,11 +4,11 @@
 #include <memory>
 #include <optional>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/box.h"
 #include "sansmesh/deform/occluder.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct MeshOccluderOptions {
   /// Cells of the lattice, on which ways around are found, along its longest side; 8..256. Each handle takes 4 bytes a
@@ -36,4 +36,4 @@ struct MeshOccluderOptions {
 /// Throws ArgumentError for bad options and for a mesh without a triangle that has an area.
 std::shared_ptr<const Occluder> mesh_occluder(const TriangleMesh& mesh, const MeshOccluderOptions& options = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

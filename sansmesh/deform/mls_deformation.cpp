@@ -10,7 +10,7 @@
 #include "sansmesh/deform/point_kernels.h"
 #include "sansmesh/deform/weighted_nodes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMapBatch = 256;
@@ -135,4 +135,4 @@ void MlsDeformation::map(std::span<const Vec3> x, const MapAnswers& wanted) cons
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,9 +8,9 @@
 #include "sansmesh/deform/deformation_options.h"
 #include "sansmesh/deform/handles.h"
 #include "sansmesh/deform/occluder.h"
-#include "sansmesh/field/space_map.h"
+#include "sansmesh/space_map.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// From places after the deformation back to those before it (weights by distances from where the handles went). The
 /// forward map, for meshes and clouds, is that of reversed(handles). Interpolates: at handles, and all along those that
@@ -33,4 +33,4 @@ class MlsDeformation final : public SpaceMap {
   std::unique_ptr<const State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/deform/rotation_fit.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kDropped = 1e-20;  // squared, of what is left of a polynomial over what it was
@@ -198,4 +198,4 @@ FittedPlace fit_nodes(const DeformSetup& setup, const NodesFrom& from, const Vec
   return fit_turn(setup, from, means, x, jacobian);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -5,9 +5,9 @@
 
 #include "sansmesh/deform/deform_setup.h"
 #include "sansmesh/deform/weighted_nodes.h"
-#include "sansmesh/field/vector_field.h"
+#include "sansmesh/vector_field.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 struct FittedPlace {
   Vec3 position;
@@ -19,4 +19,4 @@ struct FittedPlace {
 FittedPlace fit_nodes(const DeformSetup& setup, const NodesFrom& from, const Vec3& x, bool jacobian,
                       std::vector<double>& scratch);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How much longer the way from a handle to a place is for going around an occluder.
 struct Detour {
@@ -44,4 +44,4 @@ class Occluder {
   virtual void border_points(const Vec3& a, const Vec3& b, const Vec3& c, std::vector<Vec3>& found) const = 0;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

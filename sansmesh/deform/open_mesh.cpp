@@ -3,14 +3,14 @@
 #include <cmath>
 #include <string>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
 #include "sansmesh/deform/cut_faces.h"
 #include "sansmesh/deform/slit.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kFaceEdges = 3;  // of the mean length: faces are flat, and finer where they meet the mesh
@@ -76,4 +76,4 @@ TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<
   return mesh;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

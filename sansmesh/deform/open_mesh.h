@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/deform/occluder.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct OpenMeshOptions {
   /// Triangles that a cut passes in a less simple way than from one place of their border to another, or from one to
@@ -43,4 +43,4 @@ struct OpenMeshReport {
 TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<const Occluder>> cuts,
                              const OpenMeshOptions& options = {}, OpenMeshReport* report = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,10 +5,10 @@
 #include <limits>
 #include <string>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using PlanePoint = PlanarOccluder::Point;
@@ -268,4 +268,4 @@ std::shared_ptr<const PlanarOccluder> polygon_occluder(const std::vector<std::ve
   return made;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

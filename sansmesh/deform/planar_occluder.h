@@ -6,7 +6,7 @@
 
 #include "sansmesh/deform/occluder.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A part of a plane. All that is asked of it has a closed form:
 ///
@@ -69,4 +69,4 @@ std::shared_ptr<const PlanarOccluder> half_plane(const Vec3& edge_point, const V
 /// other, or a hole touches another loop, lies in another hole or not within the outline.
 std::shared_ptr<const PlanarOccluder> polygon_occluder(const std::vector<std::vector<Vec3>>& loops);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -15,7 +15,7 @@
 #include "sansmesh/deform/weight_power-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -337,11 +337,11 @@ void MapTile(const PointMap& map, std::size_t places, const double* const* x, co
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(MapTile);
 
 void map_places(const PointMap& map, std::span<const Vec3> x, std::span<const double> extras,
@@ -366,5 +366,5 @@ void map_places(const PointMap& map, std::span<const Vec3> x, std::span<const do
   }
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/deform/deformation_options.h"
 #include "sansmesh/deform/polynomial_terms.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Handles as a structure of arrays, and what is fitted to them.
 struct PointMap {
@@ -27,4 +27,4 @@ struct PointMap {
 void map_places(const PointMap& map, std::span<const Vec3> x, std::span<const double> extras,
                 std::span<Vec3> positions);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -5,9 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 enum class PolynomialSpace : std::uint8_t {
   linear,
@@ -111,4 +111,4 @@ inline void evaluate_terms(const PolynomialTerms& t, const Vec3& v, double* valu
   }
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

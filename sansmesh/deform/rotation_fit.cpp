@@ -8,7 +8,7 @@
 // After simd_targets.h, which says what the library holds.
 #include "sansmesh/deform/rotation_lanes-inl.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kOpposite = 1e-12;  // of 1 + a·b
@@ -66,4 +66,4 @@ Vec3 SmallestTurn::rate(const Vec3& v, const Vec3& a_rate, const Vec3& b_rate) c
   return d_once + (cross(dx, once) + cross(x, d_once)) / (1 + c) - cross(x, once) * (dc / ((1 + c) * (1 + c)));
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -3,9 +3,9 @@
 
 #include <array>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 using Rows3 = std::array<Vec3, 3>;  ///< a matrix by its rows
 
@@ -31,4 +31,4 @@ struct SmallestTurn {
   Vec3 rate(const Vec3& v, const Vec3& a_rate, const Vec3& b_rate) const;
 };
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -13,7 +13,7 @@
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/refine_edges.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kSnap = 1e-3;        // of an edge: vertices so near the cut are on it
@@ -488,4 +488,4 @@ Slit open_slit(TriangleMesh& mesh, std::span<const std::shared_ptr<const Occlude
   return SlitMaker(mesh, cuts).make(refinements);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,10 +8,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/deform/occluder.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// An edge along which a mesh was opened, with its vertices on both sides (the same at the end of a slit), in the
 /// direction in which the triangle on the first side runs through it.
@@ -36,4 +36,4 @@ void set_cut_sides(TriangleMesh& mesh, const std::vector<std::uint32_t>& vertice
 /// Opens the mesh along the last of the cuts, after those before it.
 Slit open_slit(TriangleMesh& mesh, std::span<const std::shared_ptr<const Occluder>> cuts, int refinements);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/mesh/same_places.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kLeafSize = 4;
@@ -315,4 +315,4 @@ TriangleSheet::Nearest TriangleSheet::nearest_border(const Vec3& x, double limit
   return best;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <limits>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/box.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Built once, then any number of queries from any thread, all in double precision and in world coordinates. Vertices
 /// at the same place are one; triangles without area, or with a corner that is not finite or does not exist, are left
@@ -76,4 +76,4 @@ class TriangleSheet {
   Box3 box_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 // After simd_targets.h, which says what the library holds.
 #include "sansmesh/deform/weight_power-inl.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr std::size_t kDetourPlaces = 17;  // along a segment, from which ways around cuts are found
@@ -174,4 +174,4 @@ void gather_nodes(const DeformSetup& setup, std::span<const std::shared_ptr<cons
     if (found.nodes[i].weight > found.nodes[found.heaviest].weight) found.heaviest = i;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/deform/deform_setup.h"
 #include "sansmesh/deform/occluder.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 struct WeightedNode {
   Vec3 q, p;
@@ -41,4 +41,4 @@ void gather_nodes(const DeformSetup& setup, std::span<const std::shared_ptr<cons
 void add_detours(std::span<const std::shared_ptr<const Occluder>> cuts, const Vec3& from, std::span<const Vec3> x,
                  std::span<Detour> sums, std::vector<Detour>& scratch);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -5,7 +5,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSolverRows = 1024;  ///< vertices a task, and a part of a sum
@@ -116,4 +116,4 @@ SolverReport BlockSolver::solve(std::span<const VertexConstraint> constraints, s
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

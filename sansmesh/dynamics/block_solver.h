@@ -8,7 +8,7 @@
 
 #include "sansmesh/dynamics/elastic_model.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What a vertex may do.
 struct VertexConstraint {
@@ -57,4 +57,4 @@ class BlockSolver {
   std::vector<Vec3> residual_, conditioned_, direction_, product_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

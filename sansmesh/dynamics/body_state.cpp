@@ -7,11 +7,11 @@
 #include <limits>
 #include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dynamics/vibration_bounds.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kStateRows = 2048;  ///< vertices a task
@@ -103,4 +103,4 @@ std::vector<Vec3> BodyState::velocities_now() {
   return now;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -14,7 +14,7 @@
 #include "sansmesh/dynamics/soft_body_options.h"
 #include "sansmesh/dynamics/step_report.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct BodyState {
   BodyState(const SoftBodyOptions& with, const DynamicsScene& scene, SceneDrive driven)
@@ -54,4 +54,4 @@ struct BodyState {
   double largest_eigenvalue(double h, double unit, bool handles);
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kTetRange = 512, kVertexRange = 512, kEdgeRange = 1024;  ///< a task
@@ -176,4 +176,4 @@ std::string CorotationalModel::worst(std::span<const Vec3> x, std::span<const st
   return text + " (counted from 0)";
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,13 +4,13 @@
 #include <array>
 #include <vector>
 
-#include "sansmesh/data/tet_mesh.h"
 #include "sansmesh/dynamics/elastic_model.h"
 #include "sansmesh/dynamics/polar_rotation.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/dynamics/vertex_graph.h"
+#include "sansmesh/tet_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// E = V (μ ‖Rᵀ F − I‖² + λ/2 tr²(Rᵀ F − I)) of each tetrahedron with the gradient F of its deformation and the
 /// rotation R in it, which never flips: tetrahedra that are inside out are turned back. The matrix is that of linear
@@ -45,4 +45,4 @@ class CorotationalModel final : public ElasticModel {
   double mu_, lambda_, damping_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

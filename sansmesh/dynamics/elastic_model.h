@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A symmetric 3×3 matrix.
 struct SymmetricBlock {
@@ -50,4 +50,4 @@ class ElasticModel {
   virtual std::string worst(std::span<const Vec3> x, std::span<const std::uint32_t> names) const = 0;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

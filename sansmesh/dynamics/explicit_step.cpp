@@ -2,7 +2,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kExplicitRows = 2048;  ///< vertices a task
@@ -97,4 +97,4 @@ void ExplicitStepper::step(BodyState& body, double h, StepReport& report) {
   report.time = body.time, report.parts += 1;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

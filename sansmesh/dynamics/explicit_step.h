@@ -6,7 +6,7 @@
 
 #include "sansmesh/dynamics/body_state.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 class ExplicitStepper {
  public:
@@ -22,4 +22,4 @@ class ExplicitStepper {
   bool known_ = false;  ///< velocity Verlet: force_ is that at the body's positions
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

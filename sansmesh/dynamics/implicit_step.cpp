@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kImplicitRows = 2048;  ///< vertices a task
@@ -250,4 +250,4 @@ void ImplicitStepper::step(BodyState& body, double h, StepReport& report) {
   report.time = body.time;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/dynamics/block_solver.h"
 #include "sansmesh/dynamics/body_state.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A vertex and the obstacle that it rests on.
 struct VertexTouch {
@@ -50,4 +50,4 @@ class ImplicitStepper {
   int level_ = 0, calm_ = 0;  ///< halvings of the next part; parts since one failed
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

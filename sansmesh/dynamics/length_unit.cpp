@@ -5,9 +5,9 @@
 #include <charconv>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::pair<std::string_view, double> kUnits[] = {{"mm", 1e-3}, {"cm", 1e-2},     {"dm", 0.1},     {"m", 1},
@@ -42,4 +42,4 @@ void option_of_text(std::string_view word, LengthUnit& unit) {
   unit.metres = metres;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

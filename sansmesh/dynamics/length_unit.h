@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 constexpr double kLeastUnit = 1e-9, kMostUnit = 1e9;  ///< m
 /// Metres of "mm", "cm", "dm", "m", "km", "inch", "foot".
@@ -19,4 +19,4 @@ std::string text_of_option(const LengthUnit& unit);
 /// Throws ArgumentError whose fault has the word and what is allowed.
 void option_of_text(std::string_view word, LengthUnit& unit);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 ObstacleSet::ObstacleSet(const DynamicsScene& scene) : floors_(scene.floors), spheres_(scene.spheres) {
   for (FloorObstacle& f : floors_) f.normal = normalized(f.normal);
@@ -47,4 +47,4 @@ bool ObstacleSet::push_out(Vec3& x, Vec3& v, double near, double moved) const {
   return touched;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/dynamics/soft_body_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What an obstacle is to a point: its signed distance, negative within, and the direction out of it.
 struct ObstacleSide {
@@ -38,4 +38,4 @@ class ObstacleSet {
   std::vector<SphereObstacle> spheres_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// q turned further about its own axes by (approximately, for short ones) the vector w.
@@ -102,4 +102,4 @@ Turn nearest_turn(const Matrix3& f, const Turn& guess) {
   return q;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "sansmesh/core/matrix3.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A unit quaternion.
 struct Turn {
@@ -26,4 +26,4 @@ struct Turn {
 /// one a step or two. Where R is not unique (F flat, or inside out with equal stretches) one of them, near the guess.
 Turn nearest_turn(const Matrix3& f, const Turn& guess);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 HandleKey key_at(const std::vector<HandleKey>& keys, double t) {
@@ -89,4 +89,4 @@ void SceneDrive::add_forces(double t, std::span<Vec3> f) const {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 
 #include "sansmesh/dynamics/soft_body_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A vertex on a spring to a target that moves.
 struct PulledVertex {
@@ -53,4 +53,4 @@ class SceneDrive {
   std::vector<Vec3> held_rest_, held_now_, pulled_rest_, pulled_now_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -14,11 +14,11 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/json_text-inl.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/error.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 using SceneJson = nlohmann::ordered_json;
 
@@ -129,4 +129,4 @@ inline std::vector<std::pair<std::string, const SceneJson*>> scene_entries(const
   return all;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/dynamics/scene_fields-inl.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::SceneFields;
@@ -364,4 +364,4 @@ DynamicsScene scaled(DynamicsScene scene, double factor) {
   return scene;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/data/tet_mesh.h"
 #include "sansmesh/dynamics/length_unit.h"
 #include "sansmesh/dynamics/soft_body_options.h"
+#include "sansmesh/tet_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How the vertices of the body are called.
 struct SceneVertices {
@@ -63,4 +63,4 @@ constexpr std::string_view word_of(DynamicsIntegrator integrator) {
 /// A scene whose lengths are so many times as large.
 DynamicsScene scaled(DynamicsScene scene, double factor);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dynamics/body_state.h"
 #include "sansmesh/dynamics/corotational_model.h"
@@ -13,8 +12,9 @@
 #include "sansmesh/dynamics/implicit_step.h"
 #include "sansmesh/dynamics/spring_model.h"
 #include "sansmesh/dynamics/tet_geometry.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A quarter of each tetrahedron's mass at its corners, or equal shares; 0 where there is no tetrahedron.
@@ -179,4 +179,4 @@ void SoftBody::set_state(std::span<const Vec3> positions, std::span<const Vec3> 
   state_->explicit_stepper.reset(), state_->implicit_stepper.reset();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

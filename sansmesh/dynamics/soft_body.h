@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/tet_mesh.h"
 #include "sansmesh/dynamics/soft_body_options.h"
 #include "sansmesh/dynamics/step_report.h"
+#include "sansmesh/tet_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Joules. Of gravity relative to the origin.
 struct BodyEnergies {
@@ -62,4 +62,4 @@ class SoftBody {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,10 +4,10 @@
 #include <string>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 bool is_positive(double x) { return std::isfinite(x) && x > 0; }
@@ -100,4 +100,4 @@ void DynamicsScene::validate(std::size_t vertices) const {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

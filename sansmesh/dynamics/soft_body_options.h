@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class SoftBodyModel : std::uint8_t {
   springs,       ///< every edge is a spring (METHODS §7.2; thesis 6.4.5)
@@ -104,4 +104,4 @@ struct DynamicsScene {
   void validate(std::size_t vertices) const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

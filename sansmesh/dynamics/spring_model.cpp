@@ -6,7 +6,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSpringRows = 1024;  ///< vertices a task
@@ -139,4 +139,4 @@ std::string SpringModel::worst(std::span<const Vec3> x, std::span<const std::uin
          " (counted from 0)";
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

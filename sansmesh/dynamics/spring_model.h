@@ -7,7 +7,7 @@
 #include "sansmesh/dynamics/elastic_model.h"
 #include "sansmesh/dynamics/vertex_graph.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// E = ½ k_s (‖x_ij‖ − L)² of each edge; damping −k_d (v_i − v_j). Of the derivatives k_s [x̂ x̂ᵀ + (1 − L/‖x_ij‖)
 /// (I − x̂ x̂ᵀ)] the second factor is at least 0: compressed springs would make the matrix indefinite.
@@ -37,4 +37,4 @@ class SpringModel final : public ElasticModel {
   double stiffness_, damping_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

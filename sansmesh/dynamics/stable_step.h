@@ -1,10 +1,10 @@
 // The longest steps that integrators are stable with.
 #pragma once
 
-#include "sansmesh/data/tet_mesh.h"
 #include "sansmesh/dynamics/soft_body_options.h"
+#include "sansmesh/tet_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// About the longest step, s, with which options.integrator is stable for small motions of the body about rest:
 /// infinity of implicit Euler; of explicit Euler 0 where nothing damps, or handles hang on springs that nothing damps.
@@ -12,4 +12,4 @@ namespace sansmesh {
 /// safe.
 double stable_step(const TetMesh& mesh, const SoftBodyOptions& options, const DynamicsScene& scene = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,7 +1,7 @@
 // What integrators tell.
 #pragma once
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What a step took.
 struct StepReport {
@@ -15,4 +15,4 @@ struct StepReport {
   int unsettled = 0;    ///< parts after whose last system contacts would still change
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

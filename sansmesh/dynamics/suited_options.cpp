@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/dynamics/stable_step.h"
 #include "sansmesh/dynamics/tet_geometry.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kSuitedStiffness = 25;    ///< Young's modulus over density × gravity × size
@@ -75,4 +75,4 @@ SoftBodyOptions suited_options(const SceneScript& s, const TetMesh& mesh) {
   return o;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,11 +1,11 @@
 // What a scene does not say about its body, chosen from the body.
 #pragma once
 
-#include "sansmesh/data/tet_mesh.h"
 #include "sansmesh/dynamics/scene_script.h"
 #include "sansmesh/dynamics/soft_body_options.h"
+#include "sansmesh/tet_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Metres of the unit of length: what the script says. Of a body of which nobody says a unit, nor anything that is
 /// known in absolute units (stiffness, elasticity, density, mass), centimetres or millimetres where it would be more
@@ -19,4 +19,4 @@ double suited_unit(const SceneScript& script, const TetMesh& mesh);
 /// without damping).
 SoftBodyOptions suited_options(const SceneScript& script, const TetMesh& mesh);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

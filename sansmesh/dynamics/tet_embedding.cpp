@@ -3,14 +3,14 @@
 #include <cmath>
 #include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/dynamics/tet_map.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_closest.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kEmbeddedRange = 1024;  ///< points a task
@@ -76,4 +76,4 @@ std::vector<Vec3> TetEmbedding::normals(std::span<const Vec3> x, std::span<const
   return found;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/tet_mesh.h"
+#include "sansmesh/tet_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Where points lie in the tetrahedra at rest. Those outside of all take the nearest one, whose map goes on beyond it.
 class TetEmbedding {
@@ -35,4 +35,4 @@ class TetEmbedding {
   std::size_t outside_ = 0;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,11 +5,11 @@
 #include <string>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kTetEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
@@ -214,4 +214,4 @@ TetMesh box_of_tets(const Vec3& lower, const Vec3& upper, std::size_t nx, std::s
   return mesh;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

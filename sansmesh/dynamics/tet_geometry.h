@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "sansmesh/core/matrix3.h"
-#include "sansmesh/data/tet_mesh.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/tet_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Signed volume of tetrahedron `t` with its vertices at `x`; negative where it is inside out.
 double tet_volume(const Tet& t, std::span<const Vec3> x);
@@ -62,4 +62,4 @@ TriangleMesh boundary_mesh(const TetMesh& mesh, std::span<const Vec3> x, std::ve
 /// i + (nx + 1) (j + (ny + 1) k).
 TetMesh box_of_tets(const Vec3& lower, const Vec3& upper, std::size_t nx, std::size_t ny, std::size_t nz);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

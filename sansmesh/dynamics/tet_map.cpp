@@ -7,14 +7,14 @@
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/dynamics/vertex_graph.h"
+#include "sansmesh/error.h"
 #include "sansmesh/search/box_levels.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMapRange = 512;  ///< points a task
@@ -217,4 +217,4 @@ void TetMap::find(std::span<const Vec3> x, std::span<std::uint32_t> tets) const 
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

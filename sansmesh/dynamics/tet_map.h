@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/tet_mesh.h"
-#include "sansmesh/field/space_map.h"
+#include "sansmesh/space_map.h"
+#include "sansmesh/tet_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Positions in the tetrahedra with their vertices at `from` to the same places in them with their vertices at `to`.
 /// As a map for fields and volumes (backward) `from` are the moved vertices and `to` those at rest.
@@ -35,4 +35,4 @@ class TetMap final : public SpaceMap {
   std::unique_ptr<const State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

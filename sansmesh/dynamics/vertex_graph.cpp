@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kEdgeEnds[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
@@ -110,4 +110,4 @@ std::vector<std::uint32_t> order_in_space(std::span<const Vec3> x) {
   return order;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/tet_mesh.h"
+#include "sansmesh/tet_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Half-edges begin[i] .. begin[i + 1] − 1 lead from vertex i to its neighbours, in ascending order.
 struct VertexGraph {
@@ -37,4 +37,4 @@ ItemLists tets_of_edges(std::span<const Tet> tets, const VertexGraph& graph);
 /// the vertex that comes k-th.
 std::vector<std::uint32_t> order_in_space(std::span<const Vec3> x);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

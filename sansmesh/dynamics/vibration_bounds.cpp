@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 // An eigenvector of a method's step turns the matrices M, K and D into numbers: what holds for ẍ = −ω² x − c ẋ with all
 // ω² and c in the bounds holds for the body.
@@ -29,4 +29,4 @@ double stable_step(DynamicsIntegrator integrator, const VibrationBounds& bounds)
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

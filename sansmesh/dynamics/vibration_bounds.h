@@ -3,7 +3,7 @@
 
 #include "sansmesh/dynamics/soft_body_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The body's vibrations at rest, bounded: every motion of it has a frequency and a decay within these.
 struct VibrationBounds {
@@ -18,4 +18,4 @@ struct VibrationBounds {
 /// of explicit Euler 0 where nothing damps, or handles hang on springs that nothing damps.
 double stable_step(DynamicsIntegrator integrator, const VibrationBounds& bounds);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A union of balls that holds the whole surface (METHODS §4): rays need to look for it nowhere else. Arrays of equal
 /// length; positions in the coordinates of the field (relative to the cloud's origin), radii positive.
@@ -14,4 +14,4 @@ struct BallUnion {
   std::vector<float> radii;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,9 +3,9 @@
 
 #include <span>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Spreads large batches over threads itself, as a ScalarField does.
 class ColorField {
@@ -15,4 +15,4 @@ class ColorField {
   virtual void evaluate(std::span<const Vec3> x, std::span<Vec3f> colors) const = 0;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

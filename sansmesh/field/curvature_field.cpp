@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kBendBatch = 4096;
@@ -64,4 +64,4 @@ void FieldCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> no
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,10 +3,10 @@
 
 #include <span>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How a surface bends at a place: 1 / length, *positive where it is convex* (bends away from the normal).
 struct SurfaceBend {
@@ -43,4 +43,4 @@ class FieldCurvature final : public CurvatureField {
   double step_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kMoreStretch = 1.25;  // than at nodes of the lattice
@@ -264,4 +264,4 @@ void DeformedField::survey(std::span<const Vec3> x, const SurveyReach& reach, st
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

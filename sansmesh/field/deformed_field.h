@@ -10,9 +10,9 @@
 
 #include "sansmesh/field/map_stretch.h"
 #include "sansmesh/field/piecewise_field.h"
-#include "sansmesh/field/space_map.h"
+#include "sansmesh/space_map.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// f(T(x)) / s(x) for a backward map T: the surface {f = 0} of before the deformation as it is after it. s is the local
 /// stretch of T (MapStretch), so that values are roughly lengths again, and never more than f says about the distance.
@@ -67,4 +67,4 @@ class DeformedField final : public PiecewiseField {
   double nothing_;  // value where there is nothing
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

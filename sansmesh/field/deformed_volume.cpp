@@ -7,7 +7,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kVolumeGrain = 4096;
@@ -74,4 +74,4 @@ void DeformedVolume::ranges(std::span<const Box3> boxes, std::span<ValueRange> f
   source_->ranges(images, found);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,10 +7,10 @@
 #include <span>
 
 #include "sansmesh/field/map_stretch.h"
-#include "sansmesh/field/space_map.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/space_map.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// f(T(x)) for a backward map T; gradients are Jᵀ ∇f = (I + J_D)ᵀ ∇f with D(x) = T(x) − x. Components are carried as
 /// they are, those of vectors too. Gaps that a cut has opened, and places where the map is not defined, are not in the
@@ -38,4 +38,4 @@ class DeformedVolume final : public VolumeField {
   MapStretch stretch_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

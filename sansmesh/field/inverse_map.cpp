@@ -5,10 +5,10 @@
 #include <limits>
 #include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/matrix3.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kInverseTolerance = 1e-10;  // of the box of the targets
@@ -115,4 +115,4 @@ void InverseMap::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
   std::fill_n(wanted.gap_gradients.begin(), wanted.gap_gradients.size(), Vec3{});
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

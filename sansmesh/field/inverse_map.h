@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/field/space_map.h"
+#include "sansmesh/space_map.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct InverseOptions {
   /// Accepted distance between T(v) and the target (length, > 0); default: 1e-10 of the targets' box, or what rounding
@@ -48,4 +48,4 @@ class InverseMap final : public SpaceMap {
   double tolerance_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,10 +3,10 @@
 #include <cmath>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Points whose neighbours are evaluated in one batch: seven evaluations per point.
@@ -56,4 +56,4 @@ void level_set_points(const ScalarField& field, std::span<const Vec3> x, double 
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,9 +3,9 @@
 
 #include <span>
 
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/scalar_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A field at one place, and the principal curvatures of its level set there: 1 / length, positive where the set
 /// {F <= F(x)} is convex, k1 >= k2; both 0 where the gradient vanishes.
@@ -22,4 +22,4 @@ struct LevelSetPoint {
 /// spacing is too short for fields in single precision, a quarter is right).
 void level_set_points(const ScalarField& field, std::span<const Vec3> x, double step, std::span<LevelSetPoint> result);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

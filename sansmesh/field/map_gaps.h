@@ -6,10 +6,10 @@
 #include <span>
 #include <utility>
 
-#include "sansmesh/field/scalar_field.h"
-#include "sansmesh/field/space_map.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/space_map.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// MapAnswers::gaps in a box; where no gap is near minus the box's diagonal. The gradient is zero there.
 class MapGaps final : public ScalarField {
@@ -27,4 +27,4 @@ class MapGaps final : public ScalarField {
   Box3 box_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/inverse_map.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kFacePoints = 33;   // along each edge of a face
@@ -234,4 +234,4 @@ Box3 box_before(const SpaceMap& map, const Box3& source, std::optional<Box3> nea
   return tight;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/field/space_map.h"
+#include "sansmesh/box.h"
+#include "sansmesh/space_map.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The largest singular value of a Jacobian: what lengths are multiplied with at most.
 double largest_stretch(const Jacobian& j);
@@ -53,4 +53,4 @@ class MapStretch {
 /// it (growth stops at a thousand times the source's size).
 Box3 box_before(const SpaceMap& map, const Box3& source, std::optional<Box3> near = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

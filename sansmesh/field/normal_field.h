@@ -3,9 +3,9 @@
 
 #include <span>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Spreads large batches over threads itself, as a ScalarField does.
 class NormalField {
@@ -16,4 +16,4 @@ class NormalField {
   virtual void refine(std::span<const Vec3> x, std::span<Vec3> normals) const = 0;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

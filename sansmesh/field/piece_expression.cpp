@@ -1,6 +1,6 @@
 #include "sansmesh/field/piece_expression.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 void PieceExpression::active(std::span<const Vec3> x, std::span<std::uint32_t> piece) const {
   std::vector<double> value(nodes_.size());
@@ -29,4 +29,4 @@ void PieceExpression::evaluate(std::span<const Vec3> x, std::span<double> values
                    gradients.empty() ? gradients : gradients.subspan(i, 1));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

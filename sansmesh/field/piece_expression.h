@@ -7,7 +7,7 @@
 
 #include "sansmesh/field/piecewise_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A field whose pieces are put together by minima and maxima alone: its sign follows from the signs of the pieces. Its
 /// gradients and those of its pieces are 1 at most. Immutable, safe from several threads.
@@ -45,4 +45,4 @@ class PieceExpression : public PiecewiseField {
   std::vector<Node> nodes_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,9 +8,9 @@
 #include <memory>
 #include <optional>
 
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/scalar_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What is known of a field around a point: how large blocks of a mesh may be there.
 struct Surroundings {
@@ -72,4 +72,4 @@ class PiecewiseField : public ScalarField {
   }
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,10 +1,10 @@
 // A field in other coordinates.
 #pragma once
 
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/field/similarity.h"
+#include "sansmesh/scalar_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A field of its own coordinates seen from the input's: its values are lengths and grow with the unit. The field must
 /// outlive it.
@@ -35,4 +35,4 @@ class PlacedField : public ScalarField {
   Similarity place_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

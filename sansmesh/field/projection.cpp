@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 void project_to_fixed_point(const Projection& projection, std::span<const Vec3> x, double tolerance, int steps,
                             std::span<FootPoint> feet) {
@@ -54,4 +54,4 @@ void ProjectionField::evaluate_in_domain(std::span<const Vec3> x, std::span<doub
   if (beyond_ != nullptr) detail::fill_undefined(*beyond_, x, inside, values, gradients);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

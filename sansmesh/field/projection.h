@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <span>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/box.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Where a point went, and the surface around that place: over the tangent plane at `position` its height along
 /// `normal` is ½ (xx u² + 2 xy u v + yy v²), with (u, v) the coordinates along the vectors t, b that
@@ -58,4 +58,4 @@ class ProjectionField : public ScalarField {
   const ScalarField* beyond_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

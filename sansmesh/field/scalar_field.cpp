@@ -1,8 +1,8 @@
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/scalar_field.h"
 
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 void ScalarField::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
   detail::ranges_by_slope(*this, kAssumedSlope, x, radius, found);
@@ -33,4 +33,4 @@ void detail::fill_undefined(const ScalarField& other, std::span<const Vec3> x, s
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 ScaledVolume::ScaledVolume(std::shared_ptr<const VolumeField> field, std::vector<double> factors)
     : field_(std::move(field)), factors_(std::move(factors)) {
@@ -24,4 +24,4 @@ void ScaledVolume::ranges(std::span<const Box3> boxes, std::span<ValueRange> fou
   for (ValueRange& r : found) r = {r.least * factors_[0], r.most * factors_[0]};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A field times a factor for each component. Powers of two leave every digit as it is.
 class ScaledVolume : public VolumeField {
@@ -25,4 +25,4 @@ class ScaledVolume : public VolumeField {
   std::vector<double> factors_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

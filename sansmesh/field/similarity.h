@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/placement.h"
+#include "sansmesh/placement.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// x ↦ translation + scale · rotation x; the rotation may mirror.
 struct Similarity {
@@ -59,4 +59,4 @@ inline Similarity similarity_of(const Placement& place) {
   return s;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,12 +3,12 @@
 
 #include <span>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/field/scalar_field.h"
-#include "sansmesh/field/vector_field.h"
+#include "sansmesh/box.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/vec.h"
+#include "sansmesh/vector_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// At each moment as ScalarField: negative inside, positive outside, in units of length near its zero set. Who runs in
 /// parallel: the field does.
@@ -32,4 +32,4 @@ class TimeField {
                       std::span<ValueRange> found) const = 0;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

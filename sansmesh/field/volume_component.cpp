@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "sansmesh/core/binary_scale.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 VolumeComponent::VolumeComponent(const VolumeField& field, std::optional<std::size_t> component)
     : field_(field), component_(component) {
@@ -48,4 +48,4 @@ void VolumeComponent::ranges(std::span<const Box3> boxes, std::span<ValueRange> 
   VolumeField::ranges(boxes, found);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

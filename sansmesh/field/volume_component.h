@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <optional>
 
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A field of one component made of one of several. Its gradients follow from those of the components; where a vector
 /// vanishes, its length has none and zero is the answer.
@@ -26,4 +26,4 @@ class VolumeComponent : public VolumeField {
   std::optional<std::size_t> component_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -155,4 +155,4 @@ std::unique_ptr<VectorField> analytic_flow(std::string_view name) {
   return std::make_unique<FormulaFlow>(found->formula, found->bounds);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

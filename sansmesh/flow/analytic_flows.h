@@ -6,9 +6,9 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/field/vector_field.h"
+#include "sansmesh/vector_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct AnalyticFlow {
   std::string_view name;
@@ -22,4 +22,4 @@ std::span<const AnalyticFlow> analytic_flows();
 /// The flow of that name, with exact derivatives. Throws ArgumentError naming those that there are.
 std::unique_ptr<VectorField> analytic_flow(std::string_view name);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

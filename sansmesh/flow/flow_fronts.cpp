@@ -6,11 +6,11 @@
 #include <limits>
 #include <span>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
+#include "sansmesh/error.h"
 #include "sansmesh/flow/particles_ahead.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
@@ -584,4 +584,4 @@ FlowSheet advance_fronts(const VectorField& field, const SeedCurve& curve, const
   return fronts.take();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,14 +5,14 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/vector_field.h"
 #include "sansmesh/flow/flow_surface_options.h"
 #include "sansmesh/flow/seed_curve.h"
 #include "sansmesh/flow/trace.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/vector_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Points and triangles; points that no triangle has are left in.
 struct FlowSheet {
@@ -34,4 +34,4 @@ double front_time(std::vector<double> speeds, double spacing);
 /// integration that tells which goes where. A fifth of its tolerance, or of what that would be.
 double least_seed_distance(const VectorField& field, const TraceOptions& options);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

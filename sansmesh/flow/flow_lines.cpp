@@ -8,12 +8,12 @@
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/flow/option_facts.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::string_view kLineKinds[] = {"path", "streak", "time", "stream"};
@@ -310,4 +310,4 @@ PolylineSet flow_lines(const VectorField& field, std::span<const Vec3> seeds, co
   return lines;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

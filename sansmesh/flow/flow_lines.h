@@ -10,13 +10,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/polyline_set.h"
-#include "sansmesh/field/vector_field.h"
 #include "sansmesh/flow/trace.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/polyline_set.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/vector_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class FlowLineKind : std::uint8_t {
   path,    ///< where one particle goes; in a steady flow the stream line
@@ -58,4 +58,4 @@ struct FlowLineReport {
 PolylineSet flow_lines(const VectorField& field, std::span<const Vec3> seeds, const FlowLineOptions& options,
                        Progress& progress, FlowLineReport* report = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,12 +10,12 @@
 #include <span>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/flow/flow_fronts.h"
 #include "sansmesh/flow/released_sheet.h"
 #include "sansmesh/mesh/components.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kUsualSeeds = 256;
@@ -165,4 +165,4 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
   return surface;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

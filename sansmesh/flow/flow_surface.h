@@ -4,13 +4,13 @@
 
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/vector_field.h"
 #include "sansmesh/flow/flow_surface_options.h"
 #include "sansmesh/flow/seed_curve.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/vector_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Vertex i of the mesh is points[i]. Neighbours share vertices; there are none without a triangle. Attributes of the
 /// vertices: s, time, speed, front, as in the points. Triangles are counter-clockwise seen from where the normals
@@ -26,4 +26,4 @@ struct FlowSurface {
 FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const FlowSurfaceOptions& options,
                          Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/flow/option_facts.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::string_view kSurfaceKinds[] = {"stream", "path", "streak", "time"};
@@ -70,4 +70,4 @@ void FlowSurfaceOptions::validate() const {
                  "`sweep` of a time surface must have a length");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,11 +6,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/flow/trace.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class FlowSurfaceKind : std::uint8_t {
   stream,  ///< where particles from the curve come to in the flow as it is at `start`
@@ -82,4 +82,4 @@ struct FlowSurfaceReport {
   double spacing = 0;                 ///< Δ₀
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

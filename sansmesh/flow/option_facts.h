@@ -3,9 +3,9 @@
 
 #include <string_view>
 
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// In the order of FlowDirection.
 inline constexpr std::string_view kFlowDirections[] = {"forward", "backward", "both"};
@@ -19,4 +19,4 @@ inline constexpr OptionFacts kDurationFacts{.text = "How long they are followed"
                                             .range = positive(),
                                             .old_name = "time"};
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 void append_particle(Particles& to, const Particles& from, std::size_t i) {
   to.positions.push_back(from.positions[i]);
@@ -50,4 +50,4 @@ void ParticlesAhead::move(const VectorField& field, double time, const TraceOpti
   move_particles(field, particles_, which, time, options);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 
 #include "sansmesh/flow/trace.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A particle that a front needs is traced from the seed curve: of a series in time that does not fit into memory all
 /// steps since then are read for it. So whenever some have to be, those that the front may need next are traced with
@@ -34,4 +34,4 @@ class ParticlesAhead {
 /// Appends one of `from`.
 void append_particle(Particles& to, const Particles& from, std::size_t i);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,10 +8,10 @@
 #include <span>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kNothing = ~std::uint32_t{0};
@@ -281,4 +281,4 @@ FlowSheet released_sheet(const VectorField& field, const SeedCurve& curve, const
   return ReleasedSheet(field, curve, options).make(progress);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

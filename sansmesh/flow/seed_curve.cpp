@@ -4,9 +4,9 @@
 #include <cmath>
 #include <cstddef>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Length up to each point; of a closed curve also that of all of it.
@@ -52,4 +52,4 @@ void SeedCurve::validate() const {
   if (!(arc_lengths(*this).back() > 0)) throw ArgumentError("the points of the seed curve coincide");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

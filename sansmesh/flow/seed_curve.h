@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SeedCurve {
   std::vector<Vec3> points;  ///< at least two, of a closed curve three; straight between them
@@ -21,4 +21,4 @@ struct SeedCurve {
   void validate() const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

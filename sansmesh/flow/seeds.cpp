@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kMostSeeds = 1e8;
@@ -154,4 +154,4 @@ Seeds parse_seeds(std::string_view text, const Box3& bounds) {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

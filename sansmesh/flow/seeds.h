@@ -5,10 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What a text of seeds stands for. Shapes: `points` in order; of files (points FILE, curve FILE, mesh FILE) only the
 /// name, for whoever can read them.
@@ -27,4 +27,4 @@ struct Seeds {
 /// Throws ArgumentError saying what is wrong with the text.
 Seeds parse_seeds(std::string_view text, const Box3& bounds);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,11 +9,11 @@
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kTolerance = 1e-5, kStep = 1e-3, kLongestStep = 0.02;  // of the diagonal
@@ -495,4 +495,4 @@ Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::s
   return traces;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

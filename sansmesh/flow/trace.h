@@ -8,12 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/field/vector_field.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/vec.h"
+#include "sansmesh/vector_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class Integrator : std::uint8_t {
   euler,  ///< the source's: first order
@@ -95,4 +95,4 @@ Particles particles_at(const VectorField& field, std::span<const Vec3> seeds, st
 void move_particles(const VectorField& field, Particles& particles, std::span<const std::uint32_t> which, double time,
                     const TraceOptions& options);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 
 #include "sansmesh/polygonize/editable_surface.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostRounds = 6;
@@ -85,4 +85,4 @@ std::size_t turn_edges_to_creases(TriangleMesh& mesh, const ScalarField& field) 
   return turned;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

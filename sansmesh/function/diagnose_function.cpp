@@ -8,10 +8,10 @@
 #include <span>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_coverage.h"
@@ -22,7 +22,7 @@
 #include "sansmesh/search/ball_tree.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kErrorOverMedian = 6, kErrorOverSpacing = 0.25;
@@ -432,4 +432,4 @@ Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptio
   return diagnosis;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/function/edit_function.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class Suspicion : std::uint8_t {
   /// Samples cover little of the supports: holes and gaps of a scan; not where a sheet that bounds no solid ends.
@@ -68,4 +68,4 @@ struct Diagnosis {
 /// do harm. Throws ArgumentError for bad options.
 Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

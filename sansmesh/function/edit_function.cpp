@@ -8,12 +8,12 @@
 #include <utility>
 
 #include "sansmesh/core/boxes.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/partition_edit.h"
 #include "sansmesh/partition/sheets.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A sheet is spurious, too, whose area is less than this share of the largest one's; of sheets that bound no solid
@@ -208,4 +208,4 @@ EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
   return report;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

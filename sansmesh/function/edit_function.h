@@ -6,12 +6,12 @@
 #include <variant>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
+#include "sansmesh/box.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/partition/edit_result.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Which supports: all conditions that are given must hold. Lengths and positions in the unit of the input.
 struct EditSelection {
@@ -101,4 +101,4 @@ class FunctionEditor {
   std::vector<Box3> changed_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,12 +9,12 @@
 #include <set>
 #include <string_view>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/json_text-inl.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/edit_script.h"
 #include "sansmesh/partition/partition_edit.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -309,4 +309,4 @@ std::string edit_script(const std::vector<Edit>& edits) {
   return Json{{"version", kVersion}, {"steps", steps}}.dump(2) + "\n";
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,11 +7,11 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/option_text.h"
+#include "sansmesh/error.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::string_view kFits[] = {"partition", "paper"};
@@ -105,4 +105,4 @@ void FitOptions::validate() const {
       if (!(k >= 0 && k <= 2)) throw ArgumentError("`coverage` must lie in 0..2 for each degree");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,10 +3,10 @@
 
 #include <optional>
 
+#include "sansmesh/option.h"
 #include "sansmesh/partition/paper_options.h"
-#include "sansmesh/schema/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Partition of unity that is fitted.
 enum class FitMethod {
@@ -38,4 +38,4 @@ struct FitOptions {
   bool is_paper() const { return fit == FitMethod::paper; }
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

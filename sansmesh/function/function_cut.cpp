@@ -5,7 +5,7 @@
 
 #include "sansmesh/meshing/mesh_steps.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 /// Least gap of the blocks, for a mesh error that was asked for, in its unit: a coarse mesh is made from a finer one.
@@ -24,4 +24,4 @@ FunctionCut prepare_cut(const SurfaceFunction& function, const MeshOptions& opti
   return {mesh_error, std::move(meshing), field.mesh_blocks(gap, options.block_depth.value_or(BlockTree::kMaxLevel))};
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

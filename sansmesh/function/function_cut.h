@@ -6,7 +6,7 @@
 #include "sansmesh/polygonize/polygonize_options.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 struct FunctionCut {
   double mesh_error;  ///< length of the field
@@ -17,4 +17,4 @@ struct FunctionCut {
 /// `usual_error`: distance of mesh and surface where the options ask for none (length of the field).
 FunctionCut prepare_cut(const SurfaceFunction& function, const MeshOptions& options, double usual_error);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

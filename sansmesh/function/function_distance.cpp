@@ -12,7 +12,7 @@
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// How much closer to the function the mesh is than one that is made to be kept: offsets magnify how normals err.
@@ -112,4 +112,4 @@ Solid function_distance_solid(std::shared_ptr<const SurfaceFunction> function, P
   return distance->closed() ? csg::distance_leaf(std::move(distance)) : csg::leaf(std::move(distance));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

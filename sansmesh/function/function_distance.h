@@ -3,12 +3,12 @@
 
 #include <memory>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/field/piecewise_field.h"
 #include "sansmesh/function/surface_function.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The signed distance to the zero set of a function, in the coordinates of its input. The function itself is a
 /// distance only within about a support of its zero set; farther away it is something smooth with the right sign, at
@@ -45,4 +45,4 @@ class FunctionDistance : public PiecewiseField {
 /// as the function's box reaches. Throws DataError if the function has no surface.
 Solid function_distance_solid(std::shared_ptr<const SurfaceFunction> function, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/partition/support_patches.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Next to a closed sheet: as deep inside as among samples on all sides.
@@ -148,4 +148,4 @@ void refine_along(std::span<const Coverage::Border> borders, BlockTree& blocks, 
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,14 +6,14 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/partition/global_sign.h"
 #include "sansmesh/points/coverage.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Divides the blocks along borders until these are no wider than what happens there, at most `deepest`.
 void refine_along(std::span<const Coverage::Border> borders, BlockTree& blocks, int deepest);
@@ -46,4 +46,4 @@ class FunctionDomain : public ScalarField {
   KdTree samples_;  ///< only to trim
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/io/section_file.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Written in a fixed order, but read into maps: these find the fields of a hostile description quickly.
@@ -339,4 +339,4 @@ SurfaceFunction read_function(const SectionFile& file) {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 
 #include "sansmesh/function/surface_function.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 class SectionFile;
 
@@ -22,4 +22,4 @@ SurfaceFunction read_function(const SectionFile& file);
 /// function cannot be refitted.
 void write_function(const std::string& file, const SurfaceFunction& function, bool with_samples = true);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

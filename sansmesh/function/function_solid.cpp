@@ -8,7 +8,7 @@
 
 #include "sansmesh/function/mesh_function.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Cells along each side of the grid on which it is known where the function is far from zero.
@@ -101,4 +101,4 @@ Solid function_solid(std::shared_ptr<const SurfaceFunction> function) {
   return csg::place(csg::leaf(shared, std::move(known)), place);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

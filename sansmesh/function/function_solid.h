@@ -6,10 +6,10 @@
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/function/surface_function.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A function as a solid, in the coordinates of its samples. It knows how small the blocks are in which mesh_function
 /// would cut it out, so that mesh_csg() need not be finer anywhere, nor coarser.
 Solid function_solid(std::shared_ptr<const SurfaceFunction> function);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

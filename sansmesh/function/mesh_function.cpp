@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/function_cut.h"
 #include "sansmesh/function/function_domain.h"
 #include "sansmesh/mesh/clip_mesh.h"
@@ -15,7 +15,7 @@
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/polygonize/walk_surface.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A box that holds the feet of all supports that reach into a box: the surface in it is followed from these.
@@ -138,4 +138,4 @@ double default_mesh_error(const PartitionReport& report) {
   return std::max(0.46 * report.accuracy, 0.037 * report.spacing);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,12 +1,12 @@
 // From a fitted function to its mesh.
 #pragma once
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The zero set of the function as a manifold mesh (closed unless it bounds no solid, was trimmed or cut by the box),
 /// in the coordinates of the input. The report is written anew. Throws DataError if nothing of it is left,
@@ -21,4 +21,4 @@ bool is_walked(const SurfaceFunction& function, const MeshOptions& options);
 /// error, but not so little that there are many more vertices than samples.
 double default_mesh_error(const PartitionReport& report);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

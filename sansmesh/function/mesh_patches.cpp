@@ -9,7 +9,7 @@
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/mesh/same_places.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 struct MeshEdge {
@@ -153,4 +153,4 @@ MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double l
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,9 +5,9 @@
 #include <limits>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What is known of the edges of a mesh whose vertices at the same place are one.
 struct MeshEdges {
@@ -43,4 +43,4 @@ struct MeshPatches {
   MeshPatches(const TriangleMesh& mesh, double crease_angle, double least_crease = 0);
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

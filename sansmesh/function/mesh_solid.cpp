@@ -8,11 +8,11 @@
 #include <numbers>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/mesh_patches.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/mesh/mesh_size.h"
@@ -20,7 +20,7 @@
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/partition/global_sign.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kFieldBatch = 256;
@@ -556,4 +556,4 @@ Solid mesh_solid(TriangleMesh given, bool rounded, std::vector<std::string>& war
   return csg::distance_leaf(std::make_shared<const MeshField>(std::move(mesh), MeshField::Options{.rounded = rounded}));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "sansmesh/csg/solid.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/piecewise_field.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The exact signed distance to the faces of a closed mesh. Its pieces are the smooth patches of the mesh, which end at
 /// creases (edges of more than 20 degrees), each going on beyond them along its faces' planes; and, with `rounded`,
@@ -53,4 +53,4 @@ class MeshField final : public PiecewiseField {
 /// inward is turned over; `warnings` tells of both, and of faces that go through each other.
 Solid mesh_solid(TriangleMesh mesh, bool rounded, std::vector<std::string>& warnings);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,10 +4,10 @@
 
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/partition_fit.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// In the unit of a prepared cloud, which is about 1 large.
@@ -67,4 +67,4 @@ SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& opti
   return {std::move(field), cloud.place, std::move(samples), {}, std::move(cloud.warnings), {}};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

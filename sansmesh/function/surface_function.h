@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/placement.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/function/fit_options.h"
 #include "sansmesh/partition/paper_fit.h"
 #include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/placement.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A partition of unity (METHODS §3.1) with its place in the input and the samples that it was fitted to. Copies share
 /// the samples.
@@ -36,4 +36,4 @@ SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& opti
 /// DataError where the points cannot be reconstructed (fewer than 9, all coincident, collinear or in a plane).
 SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

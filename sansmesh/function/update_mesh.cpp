@@ -9,16 +9,16 @@
 #include <vector>
 
 #include "sansmesh/core/boxes.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/function_cut.h"
 #include "sansmesh/function/function_domain.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/replace_region.h"
 #include "sansmesh/meshing/mesh_steps.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// What is made anew around a change, in edges of the largest block of the surface there: at first, and at most where
@@ -297,4 +297,4 @@ TriangleMesh update_mesh(const SurfaceFunction& function, TriangleMesh before, s
   return mesh_function(function, options, progress);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

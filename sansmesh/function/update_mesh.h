@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/box.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct MeshUpdate {
   bool local = false;                  ///< false: the whole mesh was made anew
@@ -44,4 +44,4 @@ struct MeshMatch {
 /// spacing, or twice their noise if that is more. Vertices in the boxes `except` (input coordinates) are not looked at.
 MeshMatch match_mesh(const SurfaceFunction& function, const TriangleMesh& mesh, std::span<const Box3> except = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 void check_adf_size(const Input& in) {
   constexpr std::size_t kRoot = 12, kBlockDigits = 8, kOffsetDigits = 4;
@@ -25,4 +25,4 @@ void check_adf_size(const Input& in) {
   if (in.bytes.size() < size) in.fail_short(size, in.bytes.size());
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -3,10 +3,10 @@
 
 #include "sansmesh/io/input.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Throws FileError where an ADF file ("ADF Database") ends before its header says. The header holds the place of the
 /// end behind that of the root: blocks of 4,096 bytes and bytes, 8 and 4 hexadecimal digits.
 void check_adf_size(const Input& in);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

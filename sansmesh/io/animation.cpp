@@ -9,14 +9,14 @@
 #include <string_view>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kPngLevel = 6;
@@ -159,4 +159,4 @@ void Animation::write(const std::string& file) const {
   io::write_whole(file, {std::move(bytes)});
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// An animated PNG (APNG, in the PNG specification since its third edition): browsers play it, programs that do not
 /// know it show the first picture. Pictures are packed as they come, of each only the part that changes.
@@ -36,4 +36,4 @@ class Animation {
   std::vector<Frame> frames_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

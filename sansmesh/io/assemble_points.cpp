@@ -10,7 +10,7 @@
 
 #include "sansmesh/core/number_words.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// Strays are at most one position in so many at each end of an axis, and make the box so many times larger than that
@@ -229,4 +229,4 @@ void finish(const Input& in, PointSet& points) {
   }
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -8,10 +8,10 @@
 
 #include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/io/input.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Points with coordinates beyond this are left out as non-finite ones are: their squares would overflow a float.
 inline constexpr double largest_coordinate = kLargestCoordinate;
@@ -82,4 +82,4 @@ void finish(const Input& in, PointSet& points);
 /// Marks the whole cloud as one scan whose scanner stands far away in direction `towards` (unit): parallel rays.
 void set_scanner(PointSet& points, const Vec3& towards);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -6,9 +6,9 @@
 #include <cstring>
 #include <string_view>
 
-#include "sansmesh/data/number_type.h"
+#include "sansmesh/attribute_table.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 static_assert(std::endian::native == std::endian::little, "the fast paths assume a little-endian machine");
 
@@ -78,4 +78,4 @@ struct Column {
   double operator[](std::size_t i) const { return load_number(at + i * stride, type, swap); }
 };
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

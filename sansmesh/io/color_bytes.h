@@ -5,7 +5,7 @@
 
 #include "sansmesh/core/index_in.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// 0..255: value · scale, rounded and clamped.
 inline std::uint8_t to_byte(double value, double scale) { return index_in<std::uint8_t>(value * scale + 0.5, 0, 255); }
@@ -16,4 +16,4 @@ inline double color_scale(double largest, bool fractional) {
   return fractional && largest <= 1.0 ? 255.0 : largest > 255.5 ? 255.0 / 65535.0 : 1.0;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -15,7 +15,7 @@
 #include "sansmesh/io/assemble_points.h"
 #include "sansmesh/io/color_bytes.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// Calls use(at) with at(i) -> Vec3. What `use` does is compiled once for each of the types, which are those that the
@@ -226,4 +226,4 @@ void decode_columns(const Input& in, const CloudColumns& columns, std::size_t n,
   }
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

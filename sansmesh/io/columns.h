@@ -5,7 +5,7 @@
 #include "sansmesh/io/input.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Which columns of a table mean what; absent ones are empty.
 struct CloudColumns {
@@ -54,4 +54,4 @@ double load_cell(const char* p, NumberType type, bool swap);
 /// The number that a cell holds, rounded to a double.
 double cell_number(double cell, NumberType type);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

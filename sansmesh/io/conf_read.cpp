@@ -11,7 +11,7 @@
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 struct Scan {
@@ -138,4 +138,4 @@ PointSet read_conf(const Input& in) {
   return all;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

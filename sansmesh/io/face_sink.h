@@ -6,7 +6,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/input.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Collects triangles. Polygons become fans around their first corner; indices that no point can have become
 /// 0xffffffff, which `finish` refuses.
@@ -64,4 +64,4 @@ class FaceSink {
   std::size_t degenerate_ = 0;
 };
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -10,11 +10,11 @@
 #include <utility>
 
 #include "sansmesh/core/cancel_scope.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/read_text.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/inflate.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr std::size_t kMostStream = std::size_t{16} << 30;
@@ -75,4 +75,4 @@ FileContent::~FileContent() {
   if (map_) ::munmap(map_, map_size_);
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// The content of a file: mapped into memory, or unpacked if it is gzipped. Throws FileError where it is missing, a
 /// directory, empty, unreadable, damaged (gzip) or expands beyond reason. Another process must not shorten the file
@@ -29,4 +29,4 @@ class FileContent {
   bool gzipped_ = false;
 };
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

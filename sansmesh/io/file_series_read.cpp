@@ -6,7 +6,7 @@
 #include "sansmesh/io/header_fields.h"
 #include "sansmesh/io/volume_readers.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 std::vector<PvdEntry> read_file_series(const Input& in) {
   using nlohmann::json;
@@ -30,4 +30,4 @@ std::vector<PvdEntry> read_file_series(const Input& in) {
   return entries;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -12,12 +12,12 @@
 #include <utility>
 #include <variant>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kChunk = 1 << 16;
@@ -345,4 +345,4 @@ std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions
   return lines;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,22 +4,10 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/volume_read_options.h"
 
-namespace sansmesh {
-
-/// Which numbers count as missing besides NaN and infinite ones.
-struct FillValueOptions {
-  std::vector<double> values;  ///< wherever they occur; finite
-  /// Also the usual ones where they stand clearly apart from all other numbers of the array: NetCDF's defaults
-  /// (9.96921e36, and of signed integers of 16, 32 and 64 bits the least ones), the largest float and double, a power
-  /// of ten from 1e20 on, 1.70141e38 (Surfer), 9.999e20 (GRIB), −9.99e8 and −9.99e33 (GrADS), −999, −999.25 (well
-  /// logs), −9999, −99999, −999999.
-  bool usual = true;
-
-  /// Throws ArgumentError naming the field.
-  void validate() const;
-};
+namespace sansmesh::inline v1 {
 
 /// Makes fill values NaN, with all components of their row; arrays of integers that have some become real. Returns a
 /// line for each fill value that says in which arrays and how often; where one of `values` is nowhere that is said,
@@ -32,4 +20,4 @@ struct FillValueOptions {
 /// rest.
 std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions& options);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/volume_readers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr unsigned kCloudOrMesh = kPoints | kMesh;
@@ -248,4 +248,4 @@ std::string listed_endings(const std::vector<std::string>& endings) {
   return text;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

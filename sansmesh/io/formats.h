@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/schema/registry.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 namespace io {
 struct Input;
@@ -126,4 +126,4 @@ std::vector<std::string> endings_written(unsigned content);
 /// ".ply .obj .off …" of these.
 std::string listed_endings(const std::vector<std::string>& endings);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// Fewer cells say nothing.
@@ -112,4 +112,4 @@ std::optional<FrameView> measure_frame(std::span<const Vec3f> points, std::size_
   return view;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Of points in rows and columns.
 struct FrameView {
@@ -25,4 +25,4 @@ struct FrameView {
 std::optional<FrameView> measure_frame(std::span<const Vec3f> points, std::size_t width,
                                        const std::optional<Vec3f>& eye);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

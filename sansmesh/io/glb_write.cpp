@@ -4,7 +4,7 @@
 
 #include "sansmesh/io/output.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 using nlohmann::json;
@@ -156,4 +156,4 @@ std::vector<std::string> mesh_to_glb(const TriangleMesh& m, const WriteOptions&)
   return {std::move(head), std::move(body.bytes())};
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

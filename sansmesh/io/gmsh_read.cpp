@@ -16,7 +16,7 @@
 #include "sansmesh/io/number_text.h"
 #include "sansmesh/io/volume_readers.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// Numbers of a section, as text or as bytes.
@@ -475,4 +475,4 @@ GridData read_gmsh(const Input& in) {
   return GmshFile(in).read();
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -9,7 +9,7 @@
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 std::string HeaderFields::lower_name(std::string_view name) { return lower(name); }
 
@@ -107,4 +107,4 @@ DataFiles::DataFiles(const Input& in, const std::vector<std::string>& files, std
   }
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/data/number_type.h"
+#include "sansmesh/attribute_table.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/input.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Fields by their names in lower case.
 class HeaderFields {
@@ -55,4 +55,4 @@ class DataFiles {
   std::string_view bytes_;
 };
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

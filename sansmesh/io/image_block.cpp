@@ -11,7 +11,7 @@
 #include "sansmesh/io/inflate.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// Cosines of angles between axes that text of few digits may turn out of the perpendicular.
@@ -149,4 +149,4 @@ AttributeValues parse_values(const Input& in, std::string_view text, std::size_t
   });
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 #include "sansmesh/io/input.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 struct ImageLayout {
   std::array<std::size_t, 3> dims{1, 1, 1};
@@ -36,4 +36,4 @@ std::vector<char> unpack_values(const Input& data, std::uint64_t needed, std::ui
 /// fewer, or what stands there is not a number of that type.
 AttributeValues parse_values(const Input& in, std::string_view text, std::size_t count, NumberType type);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -6,10 +6,10 @@
 #include <algorithm>
 
 #include "sansmesh/core/cancel_scope.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr std::size_t kRoomForTheEnd = 64, kFirstRoom = std::size_t{1} << 16;
@@ -63,4 +63,4 @@ Inflated inflate_bytes(const std::string& file, std::string_view packed, std::si
   return result;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

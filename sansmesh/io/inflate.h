@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// What came out of compressed data.
 struct Inflated {
@@ -23,4 +23,4 @@ inline constexpr std::uint64_t kMostExpansion = 1032;
 /// takes none. Throws FileError, naming `file`, on damaged data and beyond the limit.
 Inflated inflate_bytes(const std::string& file, std::string_view packed, std::size_t expected, std::size_t limit);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

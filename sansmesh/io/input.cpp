@@ -4,7 +4,7 @@
 
 #include "sansmesh/core/number_words.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 std::string missing_words(std::uint64_t bytes, bool at_least) {
@@ -23,4 +23,4 @@ void Input::fail_short(std::uint64_t announced_bytes, std::uint64_t held_bytes, 
                    grouped(announced_bytes), grouped(held_bytes), held_bytes == 1 ? "is" : "are"));
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

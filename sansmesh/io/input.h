@@ -6,10 +6,10 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Name (for messages), bytes, and where remarks go.
 struct Input {
@@ -29,4 +29,4 @@ struct Input {
   void unread(const std::string& what) const { report.unread.push_back(printable(what, 80)); }
 };
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -9,7 +9,7 @@
 #include "sansmesh/io/columns.h"
 #include "sansmesh/io/readers.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// Where a point format keeps red, green and blue (16 bits each); 0 = it has none.
@@ -312,4 +312,4 @@ PointSet read_las(const Input& in) {
   return points;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

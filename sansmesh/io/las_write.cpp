@@ -8,7 +8,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/output.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// The attributes that have a place of their own in a record; null where there are none, or where they do not fit.
@@ -249,4 +249,4 @@ std::vector<std::string> points_to_las(const PointSet& points, const WriteOption
   return parts;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

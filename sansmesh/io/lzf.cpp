@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 // A control byte below 32 announces that many + 1 literal bytes. Above, its upper three bits are the length of a copy
 // minus 2 (7: another byte adds to it), its lower five and the next byte the distance back minus 1.
@@ -37,4 +37,4 @@ bool lzf_decompress(std::string_view packed, std::span<char> out) {
   return done == out.size();
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -4,9 +4,9 @@
 #include <span>
 #include <string_view>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Unpacks `packed` into exactly `out`; false if the data is damaged or does not fill it.
 bool lzf_decompress(std::string_view packed, std::span<char> out);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -12,7 +12,7 @@
 #include "sansmesh/io/number_text.h"
 #include "sansmesh/io/volume_readers.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// Cells: keyword, its number in binary files, corners; space is filled by those with a shape.
@@ -242,4 +242,4 @@ GridData read_medit(const Input& in) {
   return text ? read_medit_text(in) : read_medit_binary(in);
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// One array of all parts; each part's is given back as soon as it is copied.
@@ -119,4 +119,4 @@ PointSet merge_points(const std::vector<std::string>& files, std::vector<PointSe
   return all;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

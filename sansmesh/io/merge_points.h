@@ -4,12 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// The clouds of several files, one after the other; all of them have the same origin and are there for the taking.
 /// See read_merged. Remarks name the files and go to the report. Throws FileError where they are too many points.
 PointSet merge_points(const std::vector<std::string>& files, std::vector<PointSet> parts, ReadReport& report);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

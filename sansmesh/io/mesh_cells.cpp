@@ -6,7 +6,7 @@
 
 #include "sansmesh/core/number_words.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 PointNumbers::PointNumbers(const Input& in, std::vector<std::uint64_t> numbers)
     : in_(in), numbers_(std::move(numbers)) {
@@ -77,4 +77,4 @@ void MeshCells::give_to(GridBlock& block, GridData& data) {
   }
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -10,10 +10,10 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 #include "sansmesh/io/input.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Finds points by their numbers.
 class PointNumbers {
@@ -61,4 +61,4 @@ class MeshCells {
   std::size_t simplified_ = 0;
 };
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -9,7 +9,7 @@
 #include "sansmesh/io/time_steps.h"
 #include "sansmesh/io/volume_readers.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 std::string_view trimmed_field(std::string_view s) {
@@ -179,4 +179,4 @@ GridData read_metaimage(const Input& in, std::size_t step) {
   return result;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

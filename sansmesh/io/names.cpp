@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 std::string lower(std::string_view s) {
   std::string r(s);
@@ -17,4 +17,4 @@ std::string ending(const std::string& file) {
   return dot == std::string::npos ? std::string() : name.substr(dot + 1);
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

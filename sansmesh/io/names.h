@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Lower-case copy (ASCII).
 std::string lower(std::string_view s);
@@ -12,4 +12,4 @@ std::string lower(std::string_view s);
 /// The ending of a file's name in lower case without the dot, and without a final ".gz": "a/B.PLY.gz" → "ply".
 std::string ending(const std::string& file);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -23,7 +23,7 @@
 #include "sansmesh/io/time_steps.h"
 #include "sansmesh/io/volume_readers.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr std::size_t kNekHeader = 132;  ///< bytes of text; then a float that tells the byte order
@@ -425,4 +425,4 @@ bool is_nek_field_name(const std::string& ending) {
   return ending.size() == 6 && ending[0] == 'f' && ending.find_first_not_of("0123456789", 1) == std::string::npos;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -5,7 +5,7 @@
 
 #include "sansmesh/io/binary.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// Walks over the header, all of which is big endian and padded to multiples of four bytes.
@@ -108,4 +108,4 @@ void check_netcdf_size(const Input& in) {
   if (end > in.bytes.size() + 3) in.fail_short(end, in.bytes.size());
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

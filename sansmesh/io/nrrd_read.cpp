@@ -10,7 +10,7 @@
 #include "sansmesh/io/time_steps.h"
 #include "sansmesh/io/volume_readers.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 std::optional<NumberType> nrrd_type(std::string_view name) {
@@ -396,4 +396,4 @@ GridData read_nrrd(const Input& in, std::size_t step) {
   return result;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 void NumberText::skip() {
   for (;;) {
@@ -85,4 +85,4 @@ void NumberText::fail_number(const char* of) {
   fail(fmt::format("'{}' is no number, among its {}", ahead.word().substr(0, 30), of));
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -9,7 +9,7 @@
 #include "sansmesh/io/input.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Walks over words and numbers; what follows a '#' up to the end of its line is skipped.
 class NumberText {
@@ -44,4 +44,4 @@ class NumberText {
   TextScanner scanner_;
 };
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -9,7 +9,7 @@
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 class ObjReader {
@@ -178,4 +178,4 @@ PointSet read_obj(const Input& in) {
   return ObjReader(in).read();
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -8,7 +8,7 @@
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// Lines with something on them, comments removed.
@@ -127,4 +127,4 @@ PointSet read_off(const Input& in) {
   return points;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -9,7 +9,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/io/names.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 const std::vector<Triangle> kNoTriangles;
@@ -130,4 +130,4 @@ char* WorldCoordinates::put(char* p, std::size_t i, char separator) const {
   return p;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -11,12 +11,12 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Writes the parts one after the other into `file` (gzipped if its name ends in ".gz") as a part of the OutputBatch
 /// that the thread has, or as one of its own. Throws FileError, leaving whatever had the name untouched.
@@ -116,4 +116,4 @@ std::vector<std::string> lines_to_vtp(const PolylineSet& lines, const WriteOptio
 std::vector<std::string> lines_to_ply(const PolylineSet& lines, const WriteOptions& options);
 std::vector<std::string> lines_to_csv(const PolylineSet& lines, const WriteOptions& options);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

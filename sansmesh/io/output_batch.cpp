@@ -18,14 +18,14 @@
 #include <utility>
 
 #include "sansmesh/core/cancel_scope.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/read_text.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_place.h"
 #include "sansmesh/io/staging.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Parts = std::vector<std::string_view>;
@@ -336,4 +336,4 @@ void io::write_bytes(const std::string& file, const std::vector<std::string_view
   batch.commit();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// While it lives, whatever the calling thread writes by the writers of this room waits in a hidden folder beside its
 /// place. commit() brings it onto the disk (fsync) and gives it its names; without it nothing of it is left. Files that
@@ -46,4 +46,4 @@ std::uint64_t written_size(const std::string& file);
 /// killed leave hidden folders (.sansmesh-….tmp); the next one that writes there removes them.
 std::vector<std::string> abandon_outputs();
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

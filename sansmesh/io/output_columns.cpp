@@ -5,7 +5,7 @@
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 char* OutputColumn::put_text(char* p, std::size_t row) const {
   const std::size_t i = row * attribute->components + component;
@@ -57,4 +57,4 @@ std::size_t row_bytes(const std::vector<OutputColumn>& columns) {
   return sum;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/data/attribute_table.h"
+#include "sansmesh/attribute_table.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// One component of an attribute.
 struct OutputColumn {
@@ -33,4 +33,4 @@ std::vector<OutputColumn> output_columns(const AttributeTable& table, const std:
 /// Bytes that one row takes.
 std::size_t row_bytes(const std::vector<OutputColumn>& columns);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -9,9 +9,9 @@
 #include <charconv>
 #include <cstring>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr int kMostLinks = 40;  // as the system has it
@@ -117,4 +117,4 @@ OutputPlace find_output_place(const std::string& file) {
   return place;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <string>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 struct OutputPlace {
   std::filesystem::path path;  ///< behind the symbolic links that the name stands for, also where nothing is there yet
@@ -23,4 +23,4 @@ OutputPlace find_output_place(const std::string& file);
 /// Throws FileError for what the system said (errno).
 [[noreturn]] void fail_output(const std::string& file, int error);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

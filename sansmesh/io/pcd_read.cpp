@@ -15,7 +15,7 @@
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 struct Field {
@@ -312,4 +312,4 @@ PointSet read_pcd(const Input& in) {
   return points;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -6,7 +6,7 @@
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_columns.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 std::vector<std::string> points_to_pcd(const PointSet& points, const WriteOptions& options) {
   const std::size_t n = points.size();
@@ -60,4 +60,4 @@ std::vector<std::string> points_to_pcd(const PointSet& points, const WriteOption
   return parts;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -14,7 +14,7 @@
 #include "sansmesh/io/text_scanner.h"
 #include "sansmesh/io/volume_readers.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 enum class P3dContent : std::uint8_t { grid, solution, functions };
@@ -384,4 +384,4 @@ GridData read_plot3d(const Input& in, const std::string& solution) {
   return data;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -5,7 +5,7 @@
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 NumberType parse_type(const Input& in, std::string_view word) {
@@ -80,4 +80,4 @@ PlyHeader parse_ply_header(const Input& in) {
   return header;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -4,7 +4,7 @@
 #include "sansmesh/io/binary.h"
 #include "sansmesh/io/input.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 struct PlyProperty {
   std::string name;   ///< in lower case
@@ -51,4 +51,4 @@ struct PlyHeader {
 /// Throws FileError where the header is malformed or has no end.
 PlyHeader parse_ply_header(const Input& in);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

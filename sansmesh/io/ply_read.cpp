@@ -13,7 +13,7 @@
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 using Property = PlyProperty;
@@ -411,4 +411,4 @@ PointSet read_ply(const Input& in) {
   return points;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

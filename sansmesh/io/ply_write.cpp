@@ -4,7 +4,7 @@
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_columns.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// The names of 64 bits are not in the format's first description; readers that know no such numbers say so.
@@ -117,4 +117,4 @@ std::vector<std::string> points_to_ply(const PointSet& p, const WriteOptions& op
   return to_ply(OutputContent(p), options);
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

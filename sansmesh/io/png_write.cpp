@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 void write_image(const std::string& file, const Image& image) {
   if (io::ending(file) != "png") check_writable(file, "image");
@@ -39,4 +39,4 @@ void write_image(const std::string& file, const Image& image) {
   io::write_whole(file, {std::move(bytes)});
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,14 +9,14 @@
 #include <optional>
 #include <string_view>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/file_content.h"
-#include "sansmesh/io/io.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/table_columns.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 bool is_table(const std::string& file) {
@@ -90,4 +90,4 @@ std::vector<Vec3> read_point_table(const std::string& file) {
   return points;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

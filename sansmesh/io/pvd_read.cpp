@@ -3,7 +3,7 @@
 #include "sansmesh/io/volume_readers.h"
 #include "sansmesh/io/vtk_xml.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 std::vector<PvdEntry> read_pvd(const Input& in) {
   std::vector<PvdEntry> entries;
@@ -25,4 +25,4 @@ std::vector<PvdEntry> read_pvd(const Input& in) {
   return entries;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

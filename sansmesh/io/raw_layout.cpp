@@ -1,4 +1,4 @@
-#include "sansmesh/io/raw_layout.h"
+#include "sansmesh/volume_read_options.h"
 
 #include <fmt/core.h>
 
@@ -7,10 +7,10 @@
 #include <limits>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/option_text.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// "256x256x128", or with commas.
@@ -68,4 +68,4 @@ const OptionSchema& RawLayout::schema() {
   return schema;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

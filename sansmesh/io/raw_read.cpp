@@ -9,7 +9,7 @@
 #include "sansmesh/io/text_scanner.h"
 #include "sansmesh/io/volume_readers.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 std::optional<NumberType> raw_type(std::string_view word) {
@@ -92,4 +92,4 @@ GridData read_raw(const Input& in, const RawLayout& layout) {
   return data;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -12,7 +12,7 @@
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using io::Input;
@@ -111,4 +111,4 @@ TriangleMesh read_mesh(const std::string& file, ReadReport* report) {
   return to_mesh(std::move(points));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

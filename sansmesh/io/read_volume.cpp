@@ -1,5 +1,6 @@
 // Chooses the reader for a volume: by the first bytes of its file where they say what it is, else by its ending.
 #include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/fill_values.h"
 
 #include <fmt/core.h>
 
@@ -20,7 +21,7 @@
 #include "sansmesh/io/vtk_size.h"
 #include "sansmesh/io/vtk_xml.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using io::Input;
@@ -318,4 +319,4 @@ bool has_vtk_readers(std::string* why_not) {
   return there;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/data/grid_data.h"
-#include "sansmesh/io/io.h"
-#include "sansmesh/io/volume_read_options.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/io.h"
+#include "sansmesh/volume_read_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The volume that a file holds (docs/formats/volumes.md). The format follows from the ending and the content:
 /// MetaImage
@@ -38,4 +38,4 @@ bool is_volume_name(const std::string& file);
 /// Whether the module for VTK's formats can be loaded; `why_not` receives the reason otherwise.
 bool has_vtk_readers(std::string* why_not = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

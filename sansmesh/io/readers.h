@@ -1,11 +1,11 @@
 // One reader a format, each in a source of its own: X_read.cpp.
 #pragma once
 
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/polyline_set.h"
 #include "sansmesh/io/input.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/polyline_set.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 PointSet read_ply(const Input& in);
 PointSet read_obj(const Input& in);
@@ -21,4 +21,4 @@ PointSet read_points_of_volume(const std::string& file, ReadReport& report);
 /// The lines of such a file; an empty set where it has none.
 PolylineSet read_vtp_lines(const Input& in);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -7,16 +7,16 @@
 #include <bit>
 #include <cstring>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/output.h"
 
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Not text (0x89), and damaged by whatever changes the ends of lines.
@@ -181,4 +181,4 @@ std::string_view SectionFile::bytes_of(std::string_view name, std::size_t elemen
   return section->bytes;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -12,7 +12,7 @@
 
 #include "sansmesh/core/shared_array.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// One array of a file. Names have 1 to 8 characters of A–Z, 0–9 and _.
 struct FileSection {
@@ -76,4 +76,4 @@ class SectionFile {
   std::vector<FileSection> sections_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

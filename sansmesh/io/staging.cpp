@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr std::string_view kStagingBegin = ".sansmesh-", kStagingEnd = ".tmp";
@@ -135,4 +135,4 @@ std::size_t remove_stale_staging(const std::filesystem::path& folder) {
   return removed;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Made with a lock that ends with the process. The first of a process in a folder removes those whose processes are no
 /// more (docs/decisions/0015-outputs-in-batches.md).
@@ -31,4 +31,4 @@ class StagingFolder {
 /// Removes those of killed processes; returns how many. What cannot be judged stays.
 std::size_t remove_stale_staging(const std::filesystem::path& folder);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -12,7 +12,7 @@
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// Hash table of vertices with open addressing: exact equality only, so results do not depend on the order of anything.
@@ -145,4 +145,4 @@ PointSet read_stl(const Input& in) {
   return points;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

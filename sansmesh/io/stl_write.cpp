@@ -3,7 +3,7 @@
 
 #include "sansmesh/io/output.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 std::vector<std::string> mesh_to_stl(const TriangleMesh& m, const WriteOptions& options) {
   const WorldCoordinates world(m.origin, m.vertices);
@@ -39,4 +39,4 @@ std::vector<std::string> mesh_to_stl(const TriangleMesh& m, const WriteOptions& 
   return {std::move(bytes)};
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

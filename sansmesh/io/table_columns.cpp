@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/io/names.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 char guess_separator(std::string_view line) {
   if (line.find(';') != std::string_view::npos) return ';';
@@ -95,4 +95,4 @@ ColumnMeaning meaning_of_values(const std::vector<std::vector<double>>& rows, bo
   return m;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

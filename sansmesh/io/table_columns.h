@@ -7,7 +7,7 @@
 
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 inline constexpr int no_column = -1;
 
@@ -68,4 +68,4 @@ std::optional<ColumnMeaning> meaning_of_names(std::string_view line);
 /// `normals_by_ending`: the file's ending says that normals follow the positions.
 ColumnMeaning meaning_of_values(const std::vector<std::vector<double>>& rows, bool normals_by_ending);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -12,7 +12,7 @@
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/table_columns.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// Leaves `value` alone unless the whole word is a number: 2020-01-02 is not 2020.
@@ -380,4 +380,4 @@ PointSet read_table(const Input& in) {
   return points;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

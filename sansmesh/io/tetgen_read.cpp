@@ -12,7 +12,7 @@
 #include "sansmesh/io/number_text.h"
 #include "sansmesh/io/volume_readers.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr std::size_t kMostAttributes = 1000;
@@ -147,4 +147,4 @@ GridData read_tetgen_pair(const Input& in) {
   return given_nodes ? read_tetgen(in, &second) : read_tetgen(second, &in);
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -5,7 +5,7 @@
 #include <cstring>
 #include <string_view>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// A position in text. Blanks are space, tab, carriage return, form feed and vertical tab; a line ends at '\n'.
 class TextScanner {
@@ -76,4 +76,4 @@ class TextScanner {
   const char* end_;
 };
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

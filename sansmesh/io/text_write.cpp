@@ -3,11 +3,11 @@
 
 #include <algorithm>
 
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_columns.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 using Colors = std::vector<std::array<std::uint8_t, 3>>;
@@ -132,4 +132,4 @@ std::vector<std::string> lines_to_csv(const PolylineSet& lines, const WriteOptio
   return parts;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

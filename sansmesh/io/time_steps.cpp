@@ -2,9 +2,9 @@
 
 #include <fmt/core.h>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 void check_time_step(const std::string& file, std::size_t wanted, std::size_t steps) {
   if (wanted < steps || (wanted == 0 && steps == 0)) return;
@@ -12,4 +12,4 @@ void check_time_step(const std::string& file, std::size_t wanted, std::size_t st
                                   steps < 2 ? "no steps but one" : fmt::format("the steps 0 to {}", steps - 1)));
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

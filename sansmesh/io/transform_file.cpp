@@ -4,15 +4,15 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/json_text-inl.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/file_content.h"
-#include "sansmesh/io/io.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr const char* kRowsOfFour = "must hold 4 rows of 4 numbers";
@@ -103,4 +103,4 @@ void write_transform(const std::string& file, const AffineMap& map) {
   write_text(file, text + (json ? "]}\n" : ""));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

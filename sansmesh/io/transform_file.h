@@ -4,9 +4,9 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/data/affine_map.h"
+#include "sansmesh/affine_map.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A map that takes positions as columns: 4 rows of 4 numbers between blanks, commas or semicolons, the last 0 0 0 1
 /// (or absent: 3 rows of 4), as most programs for clouds exchange them; lines after '#' or "//" are comments. Or as
@@ -20,4 +20,4 @@ AffineMap parse_transform(std::string_view text, const std::string& file);
 /// Throws FileError.
 void write_transform(const std::string& file, const AffineMap& map);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

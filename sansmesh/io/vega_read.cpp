@@ -16,7 +16,7 @@
 #include "sansmesh/io/number_text.h"
 #include "sansmesh/io/volume_readers.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr int kMostIncluded = 8;       ///< files inside files
@@ -236,4 +236,4 @@ class VegaFile {
 
 GridData read_vega(const Input& in) { return VegaFile(in).read(); }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

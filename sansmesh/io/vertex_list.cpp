@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 std::vector<std::uint64_t> read_vertex_list(const std::string& file) {
   return parse_vertex_list(io::FileContent(file).bytes(), file);
@@ -34,4 +34,4 @@ std::vector<std::uint64_t> parse_vertex_list(std::string_view bytes, const std::
   return numbers;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

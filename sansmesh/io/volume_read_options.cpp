@@ -1,4 +1,4 @@
-#include "sansmesh/io/volume_read_options.h"
+#include "sansmesh/volume_read_options.h"
 
 #include <fmt/core.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Numbers, or "none" for no usual ones.
@@ -64,4 +64,4 @@ void VolumeReadOptions::validate() const {
   fill.validate();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 #include "sansmesh/io/input.h"
-#include "sansmesh/io/raw_layout.h"
+#include "sansmesh/volume_read_options.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// MetaImage, header and numbers in one file or in two. `step` counts along a fourth axis.
 GridData read_metaimage(const Input& in, std::size_t step);
@@ -50,4 +50,4 @@ std::vector<PvdEntry> read_pvd(const Input& in);
 /// The same of a series of files (.vtu.series, .vtk.series, …).
 std::vector<PvdEntry> read_file_series(const Input& in);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "sansmesh/core/cancel_scope.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/time_steps.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr const char* kModuleFile = "libsansmesh_vtk.so";
@@ -102,4 +102,4 @@ GridData read_by_vtk(const VtkRequest& request) {
   return data;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

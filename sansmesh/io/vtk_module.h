@@ -5,9 +5,9 @@
 
 #include <string>
 
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 enum class VtkFormat : std::uint8_t { xml, legacy, exodus, ensight, cgns, openfoam, dicom };
 
@@ -47,4 +47,4 @@ VtkReadFunction load_vtk_module(std::string& why_not);
 /// Reads by the module. Throws FileError where it is missing or fails, ArgumentError for a time step that there is not.
 GridData read_by_vtk(const VtkRequest& request);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -15,7 +15,7 @@
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/vtk_xml.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr std::uint64_t kMostPromised = std::uint64_t{1} << 60;
@@ -313,4 +313,4 @@ void check_vtk_xml_size(const Input& in) { XmlPromises(in, XmlPromises::Role::wh
 
 void check_vtk_legacy_size(const Input& in) { LegacyPromises(in).check(); }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -3,7 +3,7 @@
 
 #include "sansmesh/io/input.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Throws FileError where a file of VTK's in XML is too short for the arrays of its header, or for those of the files
 /// that it names.
@@ -12,4 +12,4 @@ void check_vtk_xml_size(const Input& in);
 /// The same for the legacy format.
 void check_vtk_legacy_size(const Input& in);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -4,7 +4,7 @@
 #include <array>
 #include <iterator>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 std::optional<XmlTag> XmlScanner::next() {
   for (;;) {
@@ -113,4 +113,4 @@ std::vector<char> decode_base64(std::string_view text) {
   return bytes;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -8,7 +8,7 @@
 #include "sansmesh/io/input.h"
 #include "sansmesh/io/text_scanner.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// A start tag, an end tag (name begins with '/') or an element that closes itself; comments and the like are skipped.
 struct XmlTag {
@@ -48,4 +48,4 @@ std::string to_xml(std::string_view value);
 /// header and data one after the other, each padded for itself.
 std::vector<char> decode_base64(std::string_view text);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

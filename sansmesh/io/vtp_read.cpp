@@ -4,7 +4,7 @@
 
 #include <optional>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/assemble_points.h"
@@ -17,7 +17,7 @@
 #include "sansmesh/io/text_scanner.h"
 #include "sansmesh/io/vtk_xml.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 struct Array {
@@ -451,4 +451,4 @@ PointSet read_vtp(const Input& in) {
   return VtpReader(in).read();
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

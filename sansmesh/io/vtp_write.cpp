@@ -7,7 +7,7 @@
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/vtk_xml.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 const char* vtk_type(NumberType type) {
@@ -180,4 +180,4 @@ std::vector<std::string> points_to_vtp(const PointSet& p, const WriteOptions& op
   return to_vtp(OutputContent(p), false, options);
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

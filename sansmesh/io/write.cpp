@@ -12,7 +12,7 @@
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_place.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// What a format of that room leaves out.
@@ -148,4 +148,4 @@ void check_writable(const std::string& file, const std::string& kind) {
   io::find_output_place(file);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,14 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/vtk_xml.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kPackedBlock = 1 << 17;  ///< bytes that are compressed at a time
@@ -166,4 +166,4 @@ void write_collection(const std::string& file, std::span<const TimedFile> files)
   write_text(file, xml + "  </Collection>\n</VTKFile>\n");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,9 +4,9 @@
 #include <span>
 #include <string>
 
-#include "sansmesh/data/tet_mesh.h"
+#include "sansmesh/tet_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Writes .vtu: VTK's XML of an unstructured grid, numbers appended and compressed, with the arrays of vertices and
 /// tetrahedra. Positions are in single precision unless that loses more than 1e-7 of the extent. Throws FileError,
@@ -24,4 +24,4 @@ struct TimedFile {
 /// Writes .pvd, the collection that ParaView and read_volume open as steps in time. Throws FileError.
 void write_collection(const std::string& file, std::span<const TimedFile> files);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

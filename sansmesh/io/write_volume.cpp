@@ -11,14 +11,14 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/output_batch.h"
 #include "sansmesh/io/vtk_xml.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr const char* kKnown = ".vti .mhd .mha .nrrd";
@@ -175,4 +175,4 @@ void write_volume(const std::string& file, const GridBlock& block) {
   both.commit();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

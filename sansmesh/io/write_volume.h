@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Writes a block of kind GridKind::lattice with equal steps along each axis: .vti (VTK XML image data, all arrays of
 /// points) or .mhd, .mha (MetaImage) and .nrrd (the first array of points alone; .mhd beside a .raw of the same name,
@@ -16,4 +16,4 @@ void write_volume(const std::string& file, const GridBlock& block);
 /// Throws FileError early, before long work, as check_writable does.
 void check_volume_writable(const std::string& file);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,10 +5,10 @@
 #include <string>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kLittleOverlap = 0.4;
@@ -69,4 +69,4 @@ AlignResult align(const AnySurface& moving, const AnySurface& fixed, const Surfa
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,13 +4,13 @@
 #include <memory>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/affine_map.h"
+#include "sansmesh/affine_map.h"
 #include "sansmesh/jobs/any_surface.h"
 #include "sansmesh/mesh/align_surfaces.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct AlignResult {
   TriangleMesh moved;  ///< with all that belongs to it; points have no triangles
@@ -29,4 +29,4 @@ struct AlignResult {
 AlignResult align(const AnySurface& moving, const AnySurface& fixed, const SurfaceAlignmentOptions& options,
                   Progress& progress, const AffineMap& before = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

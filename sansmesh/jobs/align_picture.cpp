@@ -4,7 +4,7 @@
 
 #include "sansmesh/render/picture_surfaces.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr Vec3f kMovedColor{0.94f, 0.55f, 0.12f}, kFixedColor{0.72f, 0.74f, 0.77f};
@@ -24,4 +24,4 @@ Image draw_alignment(const AlignResult& aligned, RenderOptions look, Progress& p
   return render_surfaces(surfaces, places, false, false, look, progress);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

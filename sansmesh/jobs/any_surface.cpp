@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/placed_field.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/jobs/with_name.h"
@@ -10,7 +10,7 @@
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/meshing/mesh_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A field in the input's coordinates that keeps what it is a field of.
@@ -114,4 +114,4 @@ std::shared_ptr<const SignedDistance> AnySurface::distance(Progress& progress, s
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/box.h"
 #include "sansmesh/dataset/isosurface.h"
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/measure/signed_distance.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Cheap to copy: what it holds is shared and never changes.
 class AnySurface {
@@ -51,4 +51,4 @@ class AnySurface {
   std::shared_ptr<const ScalarField> field_;  ///< with all that it needs
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

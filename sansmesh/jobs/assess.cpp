@@ -8,7 +8,7 @@
 #include "sansmesh/mesh/sewn_mesh.h"
 #include "sansmesh/points/face_shape.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSamples = 300'000, kSamplesOfOthers = 5'000;
@@ -70,4 +70,4 @@ AssessResult assess(const TriangleMesh& mesh, PointSet points, const AssessOptio
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,17 +5,17 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct AssessOptions {
   /// On each mesh, 1..2·10⁹. Default: 300000; 5000 of surfaces that differ in size by more than a hundred, where each
@@ -49,4 +49,4 @@ AssessResult assess(const TriangleMesh& mesh, Progress& progress);
 /// has no finite points.
 AssessResult assess(const TriangleMesh& mesh, PointSet reference, const AssessOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/clip_mesh.h"
 #include "sansmesh/mesh/weld.h"
 #include "sansmesh/points/close_points.h"
@@ -15,7 +15,7 @@
 #include "sansmesh/points/poisson_discs.h"
 #include "sansmesh/points/subsample.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Of a cloud the samples of which there are rows.
@@ -205,4 +205,4 @@ std::string choose_attributes(CloudOrMesh& data, const std::vector<std::string>&
   return "";
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

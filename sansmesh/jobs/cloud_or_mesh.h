@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/data/affine_map.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/affine_map.h"
+#include "sansmesh/box.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The vertices of a mesh, with all that belongs to them.
 PointSet vertices_of(TriangleMesh mesh);
@@ -58,4 +58,4 @@ std::string flip_sides(CloudOrMesh& data, bool faces, bool normals);
 /// Keeps or drops the normals, colours and attributes that the list names.
 std::string choose_attributes(CloudOrMesh& data, const std::vector<std::string>& names, bool keep);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

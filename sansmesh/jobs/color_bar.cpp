@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "sansmesh/core/diverging_color.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/sample_confidence.h"
 #include "sansmesh/render/transfer_presets.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kBarSteps = 16;         // of each half of the bar, in which colours are mixed
@@ -124,4 +124,4 @@ Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const R
   return beside_value_bar(image, bar->colors, bar->title, {}, &paper, bar->ends);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,15 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/data/attribute_table.h"
-#include "sansmesh/data/image.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/image.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/transfer_function.h"
 #include "sansmesh/surface/curvature_words.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The bar of colours beside a picture.
 struct ColorBar {
@@ -44,4 +44,4 @@ ColorBar confidence_bar();
 /// The picture with the bar, if there is one, on the background of the options that it was made with.
 Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const RenderOptions& look);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

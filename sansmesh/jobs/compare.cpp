@@ -6,13 +6,13 @@
 #include <string_view>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/align.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/refine_edges.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Edges longer than this part of the diagonal make a map of vertices a coarse one.
@@ -108,4 +108,4 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

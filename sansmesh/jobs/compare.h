@@ -5,15 +5,15 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/affine_map.h"
+#include "sansmesh/affine_map.h"
 #include "sansmesh/jobs/any_surface.h"
 #include "sansmesh/measure/distance_map.h"
 #include "sansmesh/mesh/align_surfaces.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class MapSide : std::uint8_t { part, reference };
 
@@ -52,4 +52,4 @@ struct CompareResult {
 CompareResult compare(const AnySurface& part, const AnySurface& reference, const CompareOptions& options,
                       Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

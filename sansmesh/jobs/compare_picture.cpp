@@ -4,12 +4,12 @@
 
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/picture_notes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr const char* kDistanceTitle = "distance";
@@ -55,4 +55,4 @@ MapPicture draw_map(const CompareResult& compared, const CompareOptions& options
   return made;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

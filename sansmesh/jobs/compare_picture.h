@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/jobs/compare.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct MapPicture {
   Image image;
@@ -23,4 +23,4 @@ void check_map_picture(const RenderOptions& look, const std::string& unit);
 MapPicture draw_map(const CompareResult& compared, const CompareOptions& options, const RenderOptions& look,
                     const std::string& unit, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Does a step; what is to be said comes back.
@@ -109,4 +109,4 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,13 +7,13 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/jobs/cloud_or_mesh.h"
 #include "sansmesh/jobs/convert_steps.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ConvertOptions {
   bool points = false;                  ///< of a mesh the vertices alone, from the start
@@ -51,4 +51,4 @@ struct ConvertResult {
 /// Cancelled.
 ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The first three rows of its matrix, one after the other.
 template <>
@@ -244,4 +244,4 @@ const OptionSchema& FlipStep::schema() {
   return schema;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

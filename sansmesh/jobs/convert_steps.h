@@ -9,11 +9,11 @@
 #include <variant>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/data/affine_map.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/affine_map.h"
+#include "sansmesh/box.h"
+#include "sansmesh/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// By a map or its inverse: "transform", "inverse_transform".
 struct TransformStep {
@@ -112,4 +112,4 @@ AffineMap axes_map(std::string_view axes);
 /// Of um, mm, cm, m, km, in, ft and us-ft. Throws ArgumentError that names them.
 double meters_of_unit(std::string_view unit);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,6 +1,6 @@
 #include "sansmesh/jobs/csg.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 CsgResult mesh_of_solid(const SolidModel& solid, const CsgMeshOptions& options, Progress& progress) {
   CsgMeshOptions own = options;
@@ -12,4 +12,4 @@ CsgResult mesh_of_solid(const SolidModel& solid, const CsgMeshOptions& options, 
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

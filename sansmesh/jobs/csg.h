@@ -3,13 +3,13 @@
 
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/jobs/solid_model.h"
 #include "sansmesh/meshing/mesh_csg.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct CsgResult {
   TriangleMesh mesh;
@@ -22,4 +22,4 @@ struct CsgResult {
 /// ArgumentError for bad options, and for solids without an end; DataError where there is no surface; Cancelled.
 CsgResult mesh_of_solid(const SolidModel& solid, const CsgMeshOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,13 +9,13 @@
 #include <string_view>
 #include <utility>
 
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/surface/curvature.h"
 #include "sansmesh/surface/curvature_words.h"
 #include "sansmesh/surface/vertex_curvature.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 double curvature_quantile(std::vector<float> values, double q) {
@@ -154,4 +154,4 @@ CurvatureResult curvature(PointSet points, const CurvatureMapOptions& options, P
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,13 +5,13 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/surface/curvature_colors.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct CurvatureMapOptions {
   CurvatureColorOptions::Quantity color_by = CurvatureColorOptions::Quantity::mean;  ///< what the colours show
@@ -48,4 +48,4 @@ struct CurvatureResult {
 /// the points cannot be used (prepare_cloud), Cancelled.
 CurvatureResult curvature(PointSet points, const CurvatureMapOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,12 +2,12 @@
 
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/map_stretch.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/with_name.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kMapMargin = 0.1;  // of the diagonal
@@ -52,4 +52,4 @@ Box3 bounds_of(const PointSet& points) {
   return box;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -11,18 +11,12 @@
 #include <variant>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/grid_data.h"
-#include "sansmesh/data/image.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/box.h"
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/folds.h"
 #include "sansmesh/deform/open_mesh.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/image.h"
 #include "sansmesh/jobs/deform_options.h"
 #include "sansmesh/jobs/deformation.h"
 #include "sansmesh/jobs/solid_model.h"
@@ -30,9 +24,15 @@
 #include "sansmesh/measure/section.h"
 #include "sansmesh/mesh/deformed_mesh.h"
 #include "sansmesh/meshing/mesh_csg.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A cloud, a mesh, sections of a solid, a lattice, or a picture.
 using DeformedPose = std::variant<PointSet, TriangleMesh, std::vector<Section>, GridBlock, Image>;
@@ -109,4 +109,4 @@ DeformationMapResult deformation_map(const Deformation& deformation, const Box3&
 /// Finite points.
 Box3 bounds_of(const PointSet& points);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

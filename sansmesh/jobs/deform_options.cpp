@@ -2,10 +2,10 @@
 
 #include <span>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/meshing/mesh_csg.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 CsgMeshOptions solid_options(const DeformOptions& o) {
@@ -62,4 +62,4 @@ void DeformOptions::validate(DeformAim aim) const {
   if (aim == DeformAim::picture) look.validate();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

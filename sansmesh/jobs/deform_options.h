@@ -5,14 +5,14 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/dataset/resample_volume.h"
 #include "sansmesh/measure/cut_plane.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/option.h"
 #include "sansmesh/render/volume_options.h"
-#include "sansmesh/schema/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What is made of a thing that is deformed: the same kind of thing (of a solid a mesh), its sections, or a picture.
 enum class DeformAim : std::uint8_t { shape, sections, picture };
@@ -47,4 +47,4 @@ struct DeformOptions {
   double share(int pose) const { return frames ? static_cast<double>(pose) / (*frames - 1) : 1; }
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/deform/handle_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kFoldPoints = 33;  // along the longest side
@@ -83,4 +83,4 @@ Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions&
   return render_surfaces(surfaces, places, false, options.frames.has_value(), look, progress);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,18 +4,18 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/box.h"
 #include "sansmesh/deform/folds.h"
+#include "sansmesh/error.h"
+#include "sansmesh/image.h"
 #include "sansmesh/jobs/deform_options.h"
 #include "sansmesh/jobs/deformation.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Looks where space is folded, and keeps of all poses the one that is folded most.
 class FoldWatch {
@@ -41,4 +41,4 @@ Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions&
                       const Deformation& deformation, double share, std::vector<Vec3> places, const TriangleMesh& folds,
                       Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,14 +5,14 @@
 #include <cstdint>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/mesh_topology.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::array<std::uint8_t, 3> kFoldedColor{222, 30, 30}, kUsualColor{222, 214, 204};
@@ -108,4 +108,4 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,8 +6,8 @@
 #include <span>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/deformed_field.h"
 #include "sansmesh/field/inverse_map.h"
@@ -18,7 +18,7 @@
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/render/surface_caster.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kPictureCells = 128;     // of the mesh that says where rays have to look
@@ -221,4 +221,4 @@ DeformResult deform(const SolidModel& solid, const Deformation& deformation, Def
   return poses.result();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

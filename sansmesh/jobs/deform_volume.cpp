@@ -5,9 +5,9 @@
 #include <optional>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/dataset/resample_volume.h"
 #include "sansmesh/deform/cut_map.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/deformed_volume.h"
 #include "sansmesh/field/inverse_map.h"
 #include "sansmesh/field/map_gaps.h"
@@ -20,7 +20,7 @@
 #include "sansmesh/render/value_histogram.h"
 #include "sansmesh/render/volume_picture.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kHistogramPoints = 60000;
@@ -212,4 +212,4 @@ DeformResult deform(const DeformableVolume& volume, const Deformation& deformati
   return poses.result();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,14 +4,14 @@
 
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/deform/handle_motion.h"
 #include "sansmesh/deform/handle_shapes.h"
 #include "sansmesh/deform/mls_deformation.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/inverse_map.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kInverseTolerance = 1e-9;  // of the size of a map that is given
@@ -80,4 +80,4 @@ Box3 with_room(const Box3& box, double share) {
   return {box.lower - room, box.upper + room};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,15 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/box.h"
 #include "sansmesh/deform/deformation_options.h"
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/handles.h"
 #include "sansmesh/deform/occluder.h"
-#include "sansmesh/field/space_map.h"
+#include "sansmesh/space_map.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Both ways through one deformation.
 struct DeformationMaps {
@@ -60,4 +60,4 @@ class Deformation {
 /// The box with so much room around it, as a share of its diagonal.
 Box3 with_room(const Box3& box, double share);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/place_pictures.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Pictures of a sheet, pixels, and how many it may have.
@@ -72,4 +72,4 @@ std::vector<Image> draw_places(const DiagnoseResult& made, RenderOptions options
   return pictures;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
 #include "sansmesh/function/diagnose_function.h"
+#include "sansmesh/image.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A place as the list has it.
 struct ListedPlace {
@@ -37,4 +37,4 @@ DiagnoseResult diagnose(const SurfaceFunction& function, const DiagnoseOptions& 
 /// bad options, and for more places than a sheet holds.
 std::vector<Image> draw_places(const DiagnoseResult& made, RenderOptions options, bool sheet, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

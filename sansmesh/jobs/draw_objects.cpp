@@ -7,8 +7,8 @@
 #include <memory>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/line_picture.h"
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
@@ -21,7 +21,7 @@
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/picture_surfaces.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Pixels that are left for the objects beside the legend, at least.
@@ -190,4 +190,4 @@ void leave_out_outliers(PointSet& points, const std::string& name, std::vector<N
   add_notes(notes, "outliers", {counted(count, "sample") + " left out: belong to no surface"}, name);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/jobs/picture_options.h"
 #include "sansmesh/jobs/picture_report.h"
+#include "sansmesh/note.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// All objects side by side, lines as tubes, with a list of them. Throws DataError that begins with an object's name.
 void draw_objects(std::vector<PictureObject> objects, const PictureOptions& options, const UsePicture& use,
@@ -19,4 +19,4 @@ void draw_objects(std::vector<PictureObject> objects, const PictureOptions& opti
 /// Removes samples that belong to no surface, and notes how many: "outliers". Throws DataError where none is left.
 void leave_out_outliers(PointSet& points, const std::string& name, std::vector<Note>& notes, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

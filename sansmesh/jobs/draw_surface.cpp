@@ -3,7 +3,7 @@
 #include <memory>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/picture_curvature.h"
 #include "sansmesh/jobs/splat_points.h"
@@ -13,7 +13,7 @@
 #include "sansmesh/render/surface_picture.h"
 #include "sansmesh/surface/curvature_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// `mesh`: that whose faces were sampled, if any.
@@ -138,4 +138,4 @@ void draw_surface(PictureObject object, const PictureOptions& o, CrestsFrom cres
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

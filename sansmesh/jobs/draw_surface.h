@@ -3,11 +3,11 @@
 
 #include <cstdint>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/jobs/picture_options.h"
 #include "sansmesh/jobs/picture_report.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Crests are those of the surface itself, or of estimates at its samples.
 enum class CrestsFrom : std::uint8_t { surface, samples };
@@ -16,4 +16,4 @@ enum class CrestsFrom : std::uint8_t { surface, samples };
 void draw_surface(PictureObject object, const PictureOptions& options, CrestsFrom crests, const UsePicture& use,
                   RenderResult& result, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

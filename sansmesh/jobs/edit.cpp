@@ -4,11 +4,11 @@
 
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/mesh_function.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Throws DataError unless it is a mesh of the function, whoever made it.
@@ -52,4 +52,4 @@ EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_m
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

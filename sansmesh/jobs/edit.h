@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/function/edit_function.h"
 #include "sansmesh/function/update_mesh.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct EditInput {
   SurfaceFunction function;
@@ -33,4 +33,4 @@ struct EditedFunction {
 /// be meshed, or the mesh is not one of the function; Cancelled.
 EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_mesh, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

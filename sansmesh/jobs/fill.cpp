@@ -8,7 +8,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/mesh/place_edges.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Share of a piece from which on a hole that was filled by default is told of.
@@ -82,4 +82,4 @@ FillResult fill(TriangleMesh mesh, const FillOptions& options, Progress& progres
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/mesh/fill_holes.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct HolesResult {
   HoleLoops holes;
@@ -37,4 +37,4 @@ struct FillResult {
 /// bad options, DataError, Cancelled.
 FillResult fill(TriangleMesh mesh, const FillOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

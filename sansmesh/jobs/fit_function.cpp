@@ -2,7 +2,7 @@
 
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 FitFunctionResult fit_function(PointSet points, const FitFunctionOptions& options, Progress& progress) {
   options.validate();
@@ -14,4 +14,4 @@ FitFunctionResult fit_function(PointSet points, const FitFunctionOptions& option
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

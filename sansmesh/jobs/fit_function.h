@@ -5,13 +5,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/function/surface_function.h"
+#include "sansmesh/note.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Options of preparation and fit.
 struct FitFunctionOptions {
@@ -38,4 +38,4 @@ struct FitFunctionResult {
 /// ArgumentError for bad options, Cancelled.
 FitFunctionResult fit_function(PointSet points, const FitFunctionOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

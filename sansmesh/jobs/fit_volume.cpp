@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 const OptionSchema& FitVolumeOptions::schema() {
   using O = FitVolumeOptions;
@@ -29,4 +29,4 @@ FitVolumeResult fit_volume(VolumeModel& volume, const FitVolumeOptions& options,
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,13 +4,13 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/dataset/fitted_volume.h"
 #include "sansmesh/jobs/volume_model.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct FitVolumeOptions {
   bool all = false;  ///< keep the other arrays as well
@@ -34,4 +34,4 @@ struct FitVolumeResult {
 /// The array that the volume was opened with, all its components. Throws as VolumeModel::fit, Cancelled.
 FitVolumeResult fit_volume(VolumeModel& volume, const FitVolumeOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/option_text.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kUsualLineSeeds = 200;
@@ -99,4 +99,4 @@ TraceLinesResult trace_lines_of(const FlowModel& flow, const TraceLinesOptions& 
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

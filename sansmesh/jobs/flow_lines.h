@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/polyline_set.h"
 #include "sansmesh/flow/flow_lines.h"
 #include "sansmesh/jobs/flow_model.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/polyline_set.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct TraceLinesOptions {
   std::string seeds = {};      ///< as parse_seeds reads it; default: 200 in the box of the flow
@@ -42,4 +42,4 @@ std::vector<std::string> arrays_along_lines(const FlowModel& flow, const TraceLi
 /// Cancelled.
 TraceLinesResult trace_lines_of(const FlowModel& flow, const TraceLinesOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -13,12 +13,12 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/flow/analytic_flows.h"
 #include "sansmesh/flow/seed_curve.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/point_table.h"
 #include "sansmesh/jobs/flow_series.h"
 #include "sansmesh/jobs/volume_series.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kGib = 1024.0 * 1024 * 1024;
@@ -197,4 +197,4 @@ FlowModel open_flow(const std::vector<std::string>& files, const VolumeModelOpti
   return {open_volume(files, volume, progress), volume.array, progress};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,16 +9,16 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/dataset/volume_flow.h"
-#include "sansmesh/field/vector_field.h"
+#include "sansmesh/error.h"
 #include "sansmesh/flow/seeds.h"
 #include "sansmesh/jobs/volume_model.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/vector_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct FlowModelOptions {
   bool unsteady = false;           ///< all steps of the file, or the files one after the other
@@ -87,4 +87,4 @@ class FlowModel {
 FlowModel open_flow(const std::vector<std::string>& files, const VolumeModelOptions& volume,
                     const FlowModelOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,14 +9,14 @@
 #include <tuple>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/mesh/arrows.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/volume_picture.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kDark = 0.45;          // of the range of values: colours that are left out below it
@@ -321,4 +321,4 @@ FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions
   return pictures.result();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

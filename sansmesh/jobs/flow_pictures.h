@@ -6,19 +6,19 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/jobs/flow_model.h"
 #include "sansmesh/jobs/flow_surface.h"
 #include "sansmesh/jobs/use_picture.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/flow_texture.h"
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/volume_options.h"
-#include "sansmesh/schema/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct FlowPictureOptions {
   TraceSurfaceOptions trace = {};
@@ -65,4 +65,4 @@ void check_colors(const FlowModel& flow, const FlowPictureOptions& options);
 FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
                                  std::vector<PictureSurface> beside, const UsePicture& use, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

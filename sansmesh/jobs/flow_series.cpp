@@ -9,11 +9,11 @@
 #include <set>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/read_volume.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kMostSpeed = 1e35;
@@ -127,4 +127,4 @@ void check_speeds(const DatasetArray& vectors) {
                                 most, most > 1 ? "large" : "small"));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

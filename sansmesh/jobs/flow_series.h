@@ -9,7 +9,7 @@
 #include "sansmesh/dataset/volume_flow.h"
 #include "sansmesh/jobs/volume_model.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Choices of the first step, which hold for all.
 struct FlowSeries {
@@ -33,4 +33,4 @@ FlowStepReader flow_step_reader(FlowSeries series);
 /// Speeds and times of particles are floats. Throws DataError for vectors that make others of them.
 void check_speeds(const DatasetArray& vectors);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,10 +4,10 @@
 
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 const OptionSchema& TraceSurfaceOptions::schema() {
   using O = TraceSurfaceOptions;
@@ -50,4 +50,4 @@ TraceSurfaceResult trace_surface(const FlowModel& flow, const TraceSurfaceOption
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/flow/flow_surface.h"
 #include "sansmesh/jobs/flow_model.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct TraceSurfaceOptions {
   std::string seeds = {};  ///< a curve as parse_seeds reads it: needed
@@ -34,4 +34,4 @@ struct TraceSurfaceResult {
 /// Cancelled.
 TraceSurfaceResult trace_surface(const FlowModel& flow, const TraceSurfaceOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

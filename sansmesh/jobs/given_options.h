@@ -4,9 +4,9 @@
 #include <initializer_list>
 #include <string>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct GivenOption {
   const char* field;
@@ -19,4 +19,4 @@ inline void refuse(std::initializer_list<GivenOption> options, const char* why) 
     if (o.given) throw ArgumentError('`' + std::string(o.field) + "` " + why);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

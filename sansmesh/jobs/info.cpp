@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/data/placement.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/placement.h"
 #include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/point_classes.h"
 #include "sansmesh/points/spacing.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 const char* shape_words(CloudShape shape) {
@@ -103,4 +103,4 @@ FunctionInfo info(const SurfaceFunction& function) {
   return info;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,17 +8,17 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/attribute_table.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/box.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/given_normals.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/sights.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct AttributeInfo {
   std::string name;
@@ -70,4 +70,4 @@ struct FunctionInfo {
 
 FunctionInfo info(const SurfaceFunction& function);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

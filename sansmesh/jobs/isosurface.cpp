@@ -7,11 +7,11 @@
 #include <limits>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/option_text.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// The arrays of `carry`. Throws ArgumentError for names of none.
@@ -88,4 +88,4 @@ VolumeIsosurfaceResult isosurface(VolumeModel& volume, const VolumeIsosurfaceOpt
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/jobs/volume_model.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct VolumeIsosurfaceOptions {
   std::optional<double> value = {};  ///< default: the middle of the array's range
@@ -42,4 +42,4 @@ struct VolumeIsosurfaceResult {
 /// where an array of several components needs a value, DataError where nothing is found, Cancelled.
 VolumeIsosurfaceResult isosurface(VolumeModel& volume, const VolumeIsosurfaceOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,15 +7,15 @@
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/dataset/isosurface_in_time.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/simplify.h"
 #include "sansmesh/polygonize/space_time_surface.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Default mesh error in spacings, as of surfaces of one moment.
@@ -132,4 +132,4 @@ IsosurfaceMomentsResult isosurface_moments(VolumeSeries& series, const VolumeIso
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,14 +6,14 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/jobs/isosurface.h"
 #include "sansmesh/jobs/volume_series.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct IsosurfaceMomentsOptions {
   std::optional<std::size_t> frames = {};  ///< moments from the first step to the last; default: as many as steps
@@ -55,4 +55,4 @@ void check_moments(const VolumeIsosurfaceOptions& options, const IsosurfaceMomen
 /// Number of moments.
 std::size_t moment_count(const VolumeSeries& series, const IsosurfaceMomentsOptions& moments);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

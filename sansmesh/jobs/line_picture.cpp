@@ -10,10 +10,9 @@
 #include <tuple>
 #include <utility>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/tubes.h"
@@ -21,8 +20,9 @@
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/value_histogram.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kTubeRadius = 1.0 / 400;  // of the diagonal of the lines
@@ -163,4 +163,4 @@ LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& opt
   return drawn;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
-#include "sansmesh/data/polyline_set.h"
+#include "sansmesh/image.h"
+#include "sansmesh/option.h"
+#include "sansmesh/polyline_set.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
-#include "sansmesh/schema/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct LinePictureOptions {
   std::string color_by = {};               ///< an array of the points, of vectors their length; empty: the usual one
@@ -49,4 +49,4 @@ double tube_radius(const PolylineSet& lines, const std::optional<double>& radius
 LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& options, const std::string& usual,
                          Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

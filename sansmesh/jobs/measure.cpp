@@ -6,12 +6,12 @@
 #include <string>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/topology_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// How many components have something to be told of.
@@ -79,4 +79,4 @@ MeasureResult measure(const AnySurface& surface, Progress& progress) {
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/jobs/any_surface.h"
 #include "sansmesh/measure/body_measures.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct MeasureResult {
   SolidMeasures measures;
@@ -23,4 +23,4 @@ struct MeasureResult {
 /// Cancelled.
 MeasureResult measure(const AnySurface& surface, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 Motion::Motion(std::shared_ptr<const TetMesh> rest, const KeptMotion& kept)
     : rest_(std::move(rest)), origin_(bounds(*rest_).center()), kept_(kept) {}
@@ -73,4 +73,4 @@ std::vector<Note> CarriedSurface::notes() const {
            .remedy = {}}};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

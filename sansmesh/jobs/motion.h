@@ -7,13 +7,13 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/tet_mesh.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/dynamics/tet_embedding.h"
+#include "sansmesh/note.h"
+#include "sansmesh/tet_mesh.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What is kept of a motion beside the moments of its frames.
 struct KeptMotion {
@@ -64,4 +64,4 @@ class CarriedSurface {
   std::vector<Vec3> normals_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

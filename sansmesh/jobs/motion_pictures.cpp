@@ -12,7 +12,7 @@
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/volume_picture.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kVolumeRim = 0.01;  ///< of the diagonal: as much the tetrahedra may be larger than their volume
@@ -172,4 +172,4 @@ Image MotionPictures::draw(std::size_t frame, Progress& progress) {
   return image;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,16 +7,16 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
 #include "sansmesh/dynamics/soft_body_options.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/image.h"
 #include "sansmesh/jobs/motion.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/volume_options.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A volume that is seen through the tetrahedra.
 struct CarriedVolume {
@@ -51,4 +51,4 @@ class MotionPictures {
   std::vector<std::uint32_t> sources_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/orient_words.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/spacing.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 const OptionSchema& NormalsOptions::schema() {
   using O = NormalsOptions;
@@ -60,4 +60,4 @@ NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& 
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,16 +5,16 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/given_normals.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/sights.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct NormalsOptions {
   NormalOptions estimation = {};  ///< its spacing and noise are measured where they are not given
@@ -46,4 +46,4 @@ struct NormalsResult {
 /// is known of what `orient_by` asks for; Cancelled.
 NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,12 +6,12 @@
 #include <initializer_list>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/given_options.h"
 #include "sansmesh/surface/curvature_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 void check_counts(const PictureOptions& o, std::size_t objects) {
@@ -98,4 +98,4 @@ void check_kinds(const std::vector<ObjectKind>& kinds, const PictureOptions& o) 
            "is for points: there are none but vertices of triangles");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 
 #include "sansmesh/jobs/picture_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The one object is a surface without a mesh.
 bool is_meshless(const std::vector<PictureObject>& objects, const PictureOptions& options);
@@ -19,4 +19,4 @@ void check_objects(const std::vector<PictureObject>& objects, const PictureOptio
 /// The same for those that no object of these kinds heeds.
 void check_kinds(const std::vector<ObjectKind>& kinds, const PictureOptions& options);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

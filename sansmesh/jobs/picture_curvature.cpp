@@ -5,13 +5,13 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/points/face_shape.h"
 #include "sansmesh/surface/sample_curvature.h"
 #include "sansmesh/surface/vertex_curvature.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Normals turn over this many spacings of the samples: details that these hold, and not their noise.
@@ -84,4 +84,4 @@ std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, con
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

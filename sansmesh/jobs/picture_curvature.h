@@ -6,16 +6,16 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/placement.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/field/curvature_field.h"
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/placement.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/surface/curvature.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Fewer samples make no surface that could be bent.
 inline constexpr std::size_t kFewestSamples = 9;
@@ -44,4 +44,4 @@ std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudU
 /// Of a mesh or cloud, in the coordinates of the input: estimated at its vertices. Null where they make no surface.
 std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudUse& use, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/given_options.h"
 #include "sansmesh/render/color_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::string_view kRayStarts[] = {"march", "stored"};
@@ -167,4 +167,4 @@ void PictureOptions::validate() const {
   check_values(*this);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,15 +8,15 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/polyline_set.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/option.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/polyline_set.h"
 #include "sansmesh/render/render_options.h"
-#include "sansmesh/schema/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// One thing that a picture shows, as a file holds it.
 struct PictureObject {
@@ -71,4 +71,4 @@ struct PictureOptions {
   void validate() const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/jobs/picture_options.h"
 #include "sansmesh/jobs/use_picture.h"
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/note.h"
 #include "sansmesh/render/surface_caster.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct DrawnObject {
   ObjectKind kind = ObjectKind::mesh;
@@ -35,4 +35,4 @@ struct RenderResult {
   std::vector<Note> notes;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -13,7 +13,7 @@
 #include "sansmesh/render/painter.h"
 #include "sansmesh/render/stroke_text.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Radius of what is seen over that of the place; at most this share of the diagonal.
@@ -170,4 +170,4 @@ Image contact_sheet(const std::vector<Image>& pictures) {
   return sheet;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

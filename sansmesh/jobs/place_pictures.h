@@ -4,13 +4,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
 #include "sansmesh/function/diagnose_function.h"
+#include "sansmesh/image.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/ray_scene.h"
 #include "sansmesh/render/render_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 class PlacePictures {
  public:
@@ -37,4 +37,4 @@ class PlacePictures {
 /// Pictures of the same size side by side, in rows from the upper left.
 Image contact_sheet(const std::vector<Image>& pictures);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

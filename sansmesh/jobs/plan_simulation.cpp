@@ -12,7 +12,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/dynamics/suited_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kUsualTime = 2, kUsualRate = 25;
@@ -223,4 +223,4 @@ SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOp
   return plan;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,14 +8,14 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/core/note.h"
-#include "sansmesh/data/tet_mesh.h"
 #include "sansmesh/dynamics/scene_script.h"
 #include "sansmesh/dynamics/soft_body_options.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/error.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/tet_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What the scene, or nobody, says of a body. What is not given here either follows from the data.
 struct SimulateOptions {
@@ -64,4 +64,4 @@ struct SimulationPlan {
 /// materials that cannot be simulated.
 SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOptions& options);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Step of the second derivatives over the spacing of the samples.
@@ -57,4 +57,4 @@ std::vector<Vec3> places_of(const PointSet& points) {
   return places;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,13 +5,13 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/attribute_table.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/attribute_table.h"
 #include "sansmesh/field/level_set_curvature.h"
 #include "sansmesh/function/surface_function.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ProbeFunctionReport {
   std::size_t inside = 0;
@@ -36,4 +36,4 @@ ProbeFunctionResult probe_function(const SurfaceFunction& function, std::span<co
 /// Positions of points in coordinates of the input.
 std::vector<Vec3> places_of(const PointSet& points);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

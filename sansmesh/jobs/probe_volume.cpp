@@ -7,7 +7,7 @@
 
 #include "sansmesh/core/number_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::vector<std::string> component_names(const std::string& array, std::size_t components) {
@@ -72,4 +72,4 @@ std::string probe_table(const ProbeResult& p) {
   return text;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

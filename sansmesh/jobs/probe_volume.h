@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/core/vec.h"
 #include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ProbeReport {
   ReconstructionReport reconstruction;
@@ -38,4 +38,4 @@ ProbeResult probe_volume(VolumeModel& volume, std::span<const Vec3> points, Prog
 /// A row a point: x,y,z,NAME,NAME_dx,NAME_dy,NAME_dz,inside.
 std::string probe_table(const ProbeResult& probed);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

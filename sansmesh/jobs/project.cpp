@@ -6,11 +6,11 @@
 #include <string_view>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/schema/registry_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::string_view kSuited = "auto", kLop = "lop";
@@ -114,4 +114,4 @@ ProjectResult project(ProjectInput input, const ProjectOptions& options, Progres
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,16 +6,16 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/surface/lop.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ProjectOptions {
   /// "auto": what suits the samples, or `curvature` where options of `surface` are set; "lop": consolidation of the
@@ -60,4 +60,4 @@ struct ProjectResult {
 /// a name where there is no surface, or none near the points; Cancelled.
 ProjectResult project(ProjectInput input, const ProjectOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,14 +6,14 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/option_text.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/deform/mesh_occluder.h"
 #include "sansmesh/deform/planar_occluder.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 [[noreturn]] void bad_cut(const std::string& text, const std::string& cause) {
@@ -70,4 +70,4 @@ std::shared_ptr<const Occluder> read_cut(const std::string& text, const Box3& do
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,14 +7,14 @@
 #include <memory>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/option_text.h"
 #include "sansmesh/deform/handle_file.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/read_volume.h"
 #include "sansmesh/jobs/read_cut.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kUsualHandles = 30;  // of registered pairs
@@ -145,4 +145,4 @@ Deformation read_deformation(const DeformationInput& input, Progress& progress) 
                      pair ? input.handles_from[0] + "," + input.handles_from[1] : input.handles);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

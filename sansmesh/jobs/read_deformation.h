@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/jobs/deformation.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// One of `handles`, `handles_from` and `map`.
 struct DeformationInput {
@@ -31,4 +31,4 @@ struct DeformationInput {
 /// Throws FileError for bad files, ArgumentError for bad options.
 Deformation read_deformation(const DeformationInput& input, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

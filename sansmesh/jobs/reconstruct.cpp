@@ -6,12 +6,12 @@
 #include <string_view>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/model/surface_domain.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace detail;
@@ -145,4 +145,4 @@ ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,17 +5,17 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/note.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What to do to the samples, how to fit and how to mesh.
 struct ReconstructOptions {
@@ -59,4 +59,4 @@ struct ReconstructResult {
 /// ArgumentError for bad options.
 ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,8 +5,8 @@
 #include <memory>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/draw_objects.h"
 #include "sansmesh/jobs/draw_surface.h"
@@ -18,7 +18,7 @@
 #include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/surface/curvature_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Fewer samples are drawn as they are: their surface may be nowhere.
@@ -121,4 +121,4 @@ RenderResult render(std::vector<PictureObject> objects, const PictureOptions& op
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,11 +3,11 @@
 
 #include <vector>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/jobs/picture_options.h"
 #include "sansmesh/jobs/picture_report.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Bars of colours and the list of several objects are in the width of the picture. Lines of a cloud are those of a
 /// surface of its samples, if they make one. Throws ArgumentError for bad options, and for such as what is drawn would
@@ -15,4 +15,4 @@ namespace sansmesh {
 RenderResult render(std::vector<PictureObject> objects, const PictureOptions& options, const UsePicture& use,
                     Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 ResampleResult resample(VolumeModel& volume, const ResampleOptions& options, Progress& progress) {
   options.validate();
@@ -18,4 +18,4 @@ ResampleResult resample(VolumeModel& volume, const ResampleOptions& options, Pro
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

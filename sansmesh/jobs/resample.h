@@ -3,13 +3,13 @@
 
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/grid_data.h"
 #include "sansmesh/dataset/resample_volume.h"
+#include "sansmesh/grid_data.h"
 #include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ResampleReport {
   ReconstructionReport reconstruction;
@@ -26,4 +26,4 @@ struct ResampleResult {
 /// where values do not fit into floats, Cancelled.
 ResampleResult resample(VolumeModel& volume, const ResampleOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

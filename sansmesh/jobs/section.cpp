@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <string_view>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::string_view kSectionAxes[] = {"x", "y", "z"};
@@ -106,4 +106,4 @@ SectionResult section(const AnySurface& surface, const SectionOptions& options, 
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,13 +6,13 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/jobs/any_surface.h"
 #include "sansmesh/measure/section.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class SectionAxis : std::uint8_t { x, y, z };
 
@@ -46,4 +46,4 @@ struct SectionResult {
 /// resolution of meshes, which are cut exactly; DataError of points, and without finite vertices; Cancelled.
 SectionResult section(const AnySurface& surface, const SectionOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,15 +7,15 @@
 #include <iterator>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/place_edges.h"
 #include "sansmesh/mesh/simplify.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// What is asked for where only a number of triangles is: errors grow from this part of the diagonal.
@@ -147,4 +147,4 @@ SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progr
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,13 +5,13 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/mesh/mesh_distance.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How far to go: by one of `triangles`, `ratio` and `error`; half of the triangles by default.
 struct SimplifyOptions {
@@ -49,4 +49,4 @@ struct SimplifyResult {
 /// attributes of vertices that merge are averaged. Throws ArgumentError for bad options, Cancelled.
 SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

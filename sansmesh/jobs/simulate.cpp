@@ -10,7 +10,7 @@
 
 #include "sansmesh/core/number_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kMostBytes = 8e9;      ///< of frames in memory
@@ -102,4 +102,4 @@ SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

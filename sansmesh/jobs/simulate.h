@@ -6,13 +6,13 @@
 #include <memory>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/dynamics/soft_body.h"
 #include "sansmesh/jobs/motion.h"
 #include "sansmesh/jobs/plan_simulation.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A moment of a simulation, after a step.
 struct SimulationMoment {
@@ -44,4 +44,4 @@ struct SimulateResult {
 /// Cancelled.
 SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool moments, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/core/number_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Of the diagonal: more is not noise.
@@ -36,4 +36,4 @@ SmoothResult smooth(TriangleMesh mesh, const SmoothOptions& options, Progress& p
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

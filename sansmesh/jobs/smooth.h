@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/mesh/smooth_mesh.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SmoothResult {
   TriangleMesh mesh;
@@ -21,4 +21,4 @@ struct SmoothResult {
 /// ArgumentError for bad options, Cancelled.
 SmoothResult smooth(TriangleMesh mesh, const SmoothOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

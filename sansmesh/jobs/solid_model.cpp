@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/csg/parse_csg.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/function_distance.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/function_solid.h"
 #include "sansmesh/function/mesh_solid.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/jobs/volume_model.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Above this share of its area that bounds no solid a function is warned of.
@@ -124,4 +124,4 @@ SolidModel read_solid(const std::string& expression, Progress& progress) {
   return {expression, std::move(solid), std::move(reader.files), std::move(reader.functions), std::move(reader.notes)};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SolidModel {
   std::string expression;
@@ -37,4 +37,4 @@ bool is_open(const SurfaceFunction& function);
 /// DataError that begins with the name of a volume.
 SolidModel read_solid(const std::string& expression, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/error.h"
+#include "sansmesh/image.h"
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/surface/curvature.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kFewestSplats = 20000, kMostSplats = 300000;
@@ -59,4 +59,4 @@ SplatPoints spread_splats(const SurfaceModel& model, std::size_t count, const Co
   return splats;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

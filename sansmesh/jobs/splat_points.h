@@ -4,13 +4,13 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/field/color_field.h"
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/blended_splats.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SplatPoints {
   PointSet points;  ///< in coordinates of the model
@@ -21,4 +21,4 @@ struct SplatPoints {
 /// unless null; each longer along what is bent less.
 SplatPoints spread_splats(const SurfaceModel& model, std::size_t count, const ColorField* colors, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

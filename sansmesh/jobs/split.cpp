@@ -7,13 +7,13 @@
 #include <string>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/points/close_points.h"
 #include "sansmesh/points/spacing.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kSpacingsApart = 4;
@@ -109,4 +109,4 @@ SplitResult split(const CloudOrMesh& data, const SplitOptions& options, Progress
   return data.is_mesh ? split_mesh(data.mesh, options) : split_cloud(data.points, options, progress);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,12 +5,12 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/jobs/cloud_or_mesh.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SplitOptions {
   /// Of clouds: points as close as this are connected (length, > 0). Default: 4 spacings.
@@ -36,4 +36,4 @@ struct SplitResult {
 /// Cancelled.
 SplitResult split(const CloudOrMesh& data, const SplitOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/volume/volume_values.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Kind = VolumeSurfaceOptions::Kind;
@@ -97,4 +97,4 @@ MeshInVolume mesh_of_surface(const VolumeModel& volume, const SurfaceInVolume& s
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,14 +5,14 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/dataset/volume_surface.h"
 #include "sansmesh/jobs/volume_model.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SurfaceInVolumeOptions {
   std::optional<double> value = {};   ///< default: the middle of the array's range; not for surfaces of high gradient
@@ -61,4 +61,4 @@ struct MeshInVolume {
 MeshInVolume mesh_of_surface(const VolumeModel& volume, const SurfaceInVolume& surface,
                              const MeshInVolumeOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,12 +4,12 @@
 #include <span>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/surface/bilateral_normals.h"
 #include "sansmesh/surface/curvature_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Colours by another array of the volume; positions in coordinates of the surface.
@@ -128,4 +128,4 @@ Image SurfaceInVolumePictures::render(const SurfaceRenderOptions& options, Progr
 
 CastCounts SurfaceInVolumePictures::counts() const { return state_->caster->counts(); }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,19 +6,19 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/jobs/surface_in_volume.h"
 #include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/surface_picture.h"
 #include "sansmesh/render/transfer_function.h"
-#include "sansmesh/schema/option.h"
 #include "sansmesh/surface/curvature_colors.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SurfaceInVolumeLook {
   std::string color_by = {};               ///< an array of the volume, or a curvature: kCurvatureWords
@@ -62,4 +62,4 @@ class SurfaceInVolumePictures {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

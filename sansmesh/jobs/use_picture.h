@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <functional>
 
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/render/render_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Takes a picture as it is made, from frame 0 on; `look` is what it was made with.
 using UsePicture = std::function<void(std::size_t frame, const Image& image, const RenderOptions& look)>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

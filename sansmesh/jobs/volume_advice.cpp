@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// The vectors of a flow: the array that is looked at, if they are that, else the first.
@@ -75,4 +75,4 @@ VolumeAdvice advise(VolumeModel& volume, Progress& progress) {
   return advice;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

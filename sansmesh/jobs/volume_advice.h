@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "sansmesh/advise/advise_volume.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/core/vec.h"
 #include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct VolumeAdvice {
   VolumeOffer offer;  ///< what there is, with traits of the array and the method that suits it
@@ -27,4 +27,4 @@ struct VolumeAdvice {
 /// Throws DataError where there is neither an array nor a body, Cancelled.
 VolumeAdvice advise(VolumeModel& volume, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 
 #include "sansmesh/core/number_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 VolumeInfo volume_info(VolumeModel& volume, Progress& progress) {
   VolumeInfo info{volume.samples(progress), {}};
@@ -29,4 +29,4 @@ VolumeInfo volume_info(VolumeModel& volume, Progress& progress) {
   return info;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,12 +4,12 @@
 #include <memory>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/sampled_volume.h"
 #include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct VolumeInfo {
   std::shared_ptr<const SampledVolume> samples;  ///< with its facts; arrays and times are those of the dataset
@@ -21,4 +21,4 @@ struct VolumeInfo {
 /// Bare grids too, where the model may be one. Throws DataError where nothing can be made of them, Cancelled.
 VolumeInfo volume_info(VolumeModel& volume, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

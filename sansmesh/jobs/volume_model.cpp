@@ -14,7 +14,7 @@
 #include "sansmesh/dataset/volume_file.h"
 #include "sansmesh/io/read_volume.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Whatever says how a file is read has been heeded when it was fitted.
@@ -211,4 +211,4 @@ double VolumeModel::middle_value() const {
   return 0.5 * (a.least[c] + a.most[c]);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

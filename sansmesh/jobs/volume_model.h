@@ -7,17 +7,17 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/dataset/volume_dataset.h"
-#include "sansmesh/io/volume_read_options.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/volume/choose_reconstruction.h"
+#include "sansmesh/volume_read_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct VolumeModelOptions {
   /// "NAME", "NAME:0", "NAME:x" or "NAME:magnitude"; empty: the dataset's own choice, a scalar where there is one.
@@ -119,4 +119,4 @@ VolumeModel open_volume(const std::vector<std::string>& files, const VolumeModel
 /// "a.vtu", "a.vts and 2 other files".
 std::string volume_name(const std::vector<std::string>& files);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/tubes.h"
@@ -11,7 +11,7 @@
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/volume/volume_boundary.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// The outer edges of the grid's cells, about a pixel and a half wide; thinner where cells are small.
@@ -135,4 +135,4 @@ std::vector<Note> VolumePictures::notes() const {
   return notes;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,16 +5,16 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/volume_picture.h"
-#include "sansmesh/schema/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct VolumePicturesOptions {
   VolumePictureOptions look = {};
@@ -58,4 +58,4 @@ class VolumePictures {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 void add_step(VolumeSeries& series, VolumeModel step) {
@@ -59,4 +59,4 @@ VolumeSeries open_volume_series(const std::vector<std::string>& files, const Vol
   return series;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/note.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/note.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct VolumeSeries {
   std::vector<VolumeModel> steps;  ///< two at least; array and method of all are those of the first
@@ -28,4 +28,4 @@ VolumeSeries open_volume_series(const std::vector<std::string>& files, const Vol
 /// ArgumentError for other numbers of times.
 std::vector<double> times_of_series(const std::vector<double>& given, std::size_t files);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,7 +2,7 @@
 
 #include "sansmesh/volume/volume_boundary.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 VolumeSubject volume_subject(const SampledVolume& samples, TriangleMesh& boundary) {
   VolumeSubject subject;
@@ -18,4 +18,4 @@ VolumeSubject volume_subject(const SampledVolume& samples, TriangleMesh& boundar
   return subject;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,9 +4,9 @@
 #include <string>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Calls; a DataError gets the name in front: "scan.ply: holds no points".
 template <class Call>
@@ -18,4 +18,4 @@ decltype(auto) with_name(const std::string& name, Call&& call) {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,15 +4,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/measure/component_overlap.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/sewn_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMassChunk = 8192;
@@ -182,4 +182,4 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

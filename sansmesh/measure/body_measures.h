@@ -6,13 +6,13 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/box.h"
 #include "sansmesh/measure/smallest_box.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Of a solid of density 1; lengths in the unit of the mesh, positions in world coordinates.
 struct MassMeasures {
@@ -63,4 +63,4 @@ struct SolidMeasures {
 /// number of threads. Throws DataError if there is no triangle with an area.
 SolidMeasures measure_solid(const TriangleMesh& mesh);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

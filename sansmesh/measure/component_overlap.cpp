@@ -5,14 +5,14 @@
 #include <atomic>
 #include <utility>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/self_intersections.h"
 #include "sansmesh/search/box_levels.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Part of the diagonal that faces have to reach beyond each other's plane: rounding of float vertices stays below it.
@@ -154,4 +154,4 @@ ComponentOverlap component_overlap(const TriangleMesh& mesh, std::span<const std
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ComponentOverlap {
   /// For each component the winding number of all other closed components around it, the median over some points just
@@ -25,4 +25,4 @@ struct ComponentOverlap {
 ComponentOverlap component_overlap(const TriangleMesh& mesh, std::span<const std::uint32_t> component,
                                    std::span<const std::uint8_t> closed);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <optional>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostPlanes = 100000;
@@ -134,4 +134,4 @@ std::string equation(const CutPlane& plane) {
   return fmt::format("{} = {:.8g}", text, plane.offset + 0.0);  // turns -0 into 0
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

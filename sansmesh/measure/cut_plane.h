@@ -5,10 +5,10 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The points x with ⟨normal, x⟩ = offset, and a frame (u, v, normal), right-handed and orthonormal. The coordinates of
 /// x within the plane are (⟨u, x⟩, ⟨v, x⟩): for z = c these are x and y, for x = c y and z, for y = c z and x.
@@ -41,11 +41,11 @@ std::vector<CutPlane> middle_planes(const Box3& box);
 /// "z=0.5", or "nx,ny,nz,d" for ⟨n, x⟩ = d. Throws ArgumentError that quotes the text.
 CutPlane parse_plane(const std::string& text);
 
-/// As options of schemas (schema/option.h): as parse_plane reads it, to the last digit.
+/// As options of schemas (sansmesh/option.h): as parse_plane reads it, to the last digit.
 std::string text_of_option(const CutPlane& plane);
 inline void option_of_text(std::string_view text, CutPlane& plane) { plane = parse_plane(std::string(text)); }
 
 /// "z = 0.5", or "0.6 x + 0.8 y = 1".
 std::string equation(const CutPlane& plane);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

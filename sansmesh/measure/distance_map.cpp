@@ -6,14 +6,14 @@
 #include <string>
 
 #include "sansmesh/core/diverging_color.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/error.h"
+#include "sansmesh/image.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMapChunk = 1024;  // fixed: neighbours in a chunk share hints
@@ -237,4 +237,4 @@ void apply_map(TriangleMesh& part, const DistanceMap& map, double range) {
                [&](std::size_t i) { part.colors[i] = distance_color(map.distance[i], range); });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

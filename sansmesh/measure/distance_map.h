@@ -8,12 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/measure/signed_distance.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Lengths in the unit of the input. What is absent follows from the data.
 struct DistanceMapOptions {
@@ -78,4 +78,4 @@ std::array<std::uint8_t, 3> distance_color(float distance, double range);
 /// a mesh without triangles "distance") and their colours into the mesh.
 void apply_map(TriangleMesh& part, const DistanceMap& map, double range);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -277,4 +277,4 @@ void FieldDistance::measure(std::span<const Vec3> x, double farthest, std::span<
   for (std::size_t i = 0; i < x.size(); ++i) found[i] = feet.result(i, farthest);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

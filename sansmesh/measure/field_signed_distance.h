@@ -3,10 +3,10 @@
 
 #include <span>
 
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/measure/signed_distance.h"
+#include "sansmesh/scalar_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Distance to the zero set of a function, negative inside, that need not be a distance itself: Newton steps along the
 /// gradient onto the zero set, halving between its two sides where they do not shrink, then steps within its tangent
@@ -26,4 +26,4 @@ class FieldDistance : public SignedDistance {
   const ScalarField& field_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

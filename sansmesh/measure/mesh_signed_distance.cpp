@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/measure/points_signed_distance.h"
 #include "sansmesh/mesh/same_places.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 MeshDistance::MeshDistance(const TriangleMesh& mesh) : mesh_(mesh), closest_(mesh) {
   if (closest_.empty()) throw DataError("no triangles to measure distances to");
   same_ = first_at_place(mesh.vertices);
@@ -145,4 +145,4 @@ std::unique_ptr<SignedDistance> signed_distance(const TriangleMesh& surface) {
   return std::make_unique<MeshDistance>(surface);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

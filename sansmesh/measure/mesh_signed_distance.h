@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/measure/signed_distance.h"
 #include "sansmesh/mesh/mesh_closest.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Exact distance to the triangles, the sign from the pseudo-normal of what the closest point lies on: the face, the
 /// edge (sum of its faces' unit normals) or the vertex (sum weighted by their angles there), which is right for every
@@ -47,4 +47,4 @@ class MeshDistance : public SignedDistance {
 /// The distance to a mesh, or to points if it has no triangles. Keeps a reference to it.
 std::unique_ptr<SignedDistance> signed_distance(const TriangleMesh& surface);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kRim = 9;  ///< the sample itself and the eight that its disc reaches to
@@ -46,4 +46,4 @@ void PointsDistance::measure(std::span<const Vec3> x, double, std::span<Measured
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,11 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/measure/signed_distance.h"
 #include "sansmesh/search/kd_tree.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Distance to discs at the samples, across their normals, that reach as far as their eighth neighbour: near the
 /// samples the distance to the surface that they stand for, not to the single sample; farther off that to the rim. Sign
@@ -29,4 +29,4 @@ class PointsDistance : public SignedDistance {
   std::vector<float> radius_;  ///< of each disc
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

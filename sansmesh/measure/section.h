@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/box.h"
 #include "sansmesh/measure/cut_plane.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A polyline. Seen against the plane's normal (u to the right, v up) the solid lies to the left of its direction:
 /// outer boundaries run counter-clockwise, holes clockwise.
@@ -62,4 +62,4 @@ Section section_field(const ScalarField& field, const CutPlane& plane, const Fie
 std::vector<Section> section_field(const ScalarField& field, std::span<const CutPlane> planes,
                                    const FieldSectionOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

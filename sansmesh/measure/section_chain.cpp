@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// The pieces at each place, in ascending order, and how far each list has been used up.
@@ -79,4 +79,4 @@ std::vector<SectionChain> chain_pieces(const std::vector<SectionPiece>& pieces, 
   return chains;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

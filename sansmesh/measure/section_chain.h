@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A directed piece from one place to another, which are numbered.
 struct SectionPiece {
@@ -21,4 +21,4 @@ struct SectionChain {
 /// each chain, open chains first.
 std::vector<SectionChain> chain_pieces(const std::vector<SectionPiece>& pieces, std::size_t places);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

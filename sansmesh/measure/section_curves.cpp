@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 bool Section::closed() const {
   return std::all_of(curves.begin(), curves.end(), [](const SectionCurve& c) { return c.closed; });
@@ -38,4 +38,4 @@ Section make_section(const CutPlane& plane, const std::vector<SectionChain>& cha
   return section;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "sansmesh/measure/section.h"
 #include "sansmesh/measure/section_chain.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The curves along the chains through `points` (coordinates in the plane), and their measures. Neighbouring points at
 /// the same place become one; closed curves without area that shrink to fewer than three points are dropped, open ones
@@ -15,4 +15,4 @@ namespace sansmesh {
 Section make_section(const CutPlane& plane, const std::vector<SectionChain>& chains,
                      const std::vector<std::array<double, 2>>& points);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

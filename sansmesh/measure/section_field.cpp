@@ -7,13 +7,13 @@
 #include <unordered_map>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/measure/section.h"
 #include "sansmesh/measure/section_curves.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kTile = 32;    // nodes of a batch in each direction: neighbours evaluate fastest together
@@ -262,4 +262,4 @@ std::vector<Section> section_field(const ScalarField& field, std::span<const Cut
   return sections;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/measure/section.h"
 #include "sansmesh/measure/section_curves.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSectionChunk = 1 << 15;
@@ -100,4 +100,4 @@ std::vector<Section> section_mesh(const TriangleMesh& mesh, std::span<const CutP
   return sections;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,10 +8,10 @@
 #include <iterator>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 // Pixels of 1/96 inch: sheets are laid out in them whatever their unit, since renderers place letters badly where a
@@ -199,4 +199,4 @@ std::string section_csv(std::span<const Section> sections) {
   return text;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/measure/section.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SectionSvgOptions {
   /// The unit of lengths, "mm", "cm" or "in": the drawing is true to scale. Empty: the drawing is about 1000 pixels
@@ -31,4 +31,4 @@ std::string section_csv(std::span<const Section> sections);
 /// A round number (1, 2 or 5 times a power of ten) of at most `length`, which is positive.
 double round_length(double length);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

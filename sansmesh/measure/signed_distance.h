@@ -4,10 +4,10 @@
 #include <limits>
 #include <span>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct MeasuredPoint {
   /// Positive outside; NaN where the surface is farther than asked or could not be found.
@@ -32,4 +32,4 @@ class SignedDistance {
   virtual void measure(std::span<const Vec3> x, double farthest, std::span<MeasuredPoint> found) const = 0;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

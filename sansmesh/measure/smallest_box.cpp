@@ -6,11 +6,11 @@
 #include <span>
 #include <utility>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Frame = std::array<Vec3, 3>;
@@ -339,4 +339,4 @@ OrientedBox smallest_box(const std::vector<Vec3f>& points, std::span<const std::
   return box;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A box in any direction.
 struct OrientedBox {
@@ -23,4 +23,4 @@ struct OrientedBox {
 /// Deterministic for any number of threads. Throws DataError if there are no finite points.
 OrientedBox smallest_box(const std::vector<Vec3f>& points, std::span<const std::array<Vec3, 3>> also = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/align_fit.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 /// Medians of so few offsets tell nothing.
@@ -75,4 +75,4 @@ ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurfac
   return {share, median(there)};
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -3,7 +3,7 @@
 
 #include "sansmesh/mesh/align_side.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 struct ShapeDifference {
   double share = 0;   ///< of the samples that lie beside the surface: those where its shape is another one, 0..1
@@ -16,4 +16,4 @@ struct ShapeDifference {
 ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurface& fixed, const Pose& pose,
                                  double spacing, double reach, double least, bool signs);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

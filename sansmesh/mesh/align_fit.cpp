@@ -9,7 +9,7 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 using Seven = Eigen::Matrix<double, 7, 1>;
@@ -215,4 +215,4 @@ std::vector<std::optional<double>> distances_to(const OrientedPoints& moving, co
   return all;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -8,7 +8,7 @@
 
 #include "sansmesh/mesh/align_side.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 struct FitOptions {
   int iterations = 40;
@@ -57,4 +57,4 @@ extern template double share_back(const OrientedPoints&, const WholeSurface&, co
 std::vector<std::optional<double>> distances_to(const OrientedPoints& moving, const WholeSurface& fixed,
                                                 const Pose& pose, double reach, bool signs, bool any);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -13,7 +13,7 @@
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/point_features.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kWantedSamples = 2500;  // of the smaller side
@@ -273,4 +273,4 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
   return found;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

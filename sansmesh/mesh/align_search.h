@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/mesh/align_side.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Even samples of both sides, as far apart as each other.
 struct SearchSamples {
@@ -30,4 +30,4 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
 /// Whether two poses put the samples at about the same places.
 bool nearly_same(const Pose& a, const Pose& b, const AlignSide& moving, double angle, double distance);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -6,10 +6,10 @@
 #include <string>
 #include <utility>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/place_edges.h"
 #include "sansmesh/points/normals.h"
@@ -17,7 +17,7 @@
 #include "sansmesh/points/poisson_discs.h"
 #include "sansmesh/points/sample_faces.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr std::size_t kFewest = 20;
@@ -324,4 +324,4 @@ OrientedPoints even_samples(const AlignSide& side, double spacing, double blur) 
   return even;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/mesh/mesh_closest.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// p → scale · R p + shift, R by its columns.
 struct Pose {
@@ -97,4 +97,4 @@ void measure_side(const TriangleMesh& mesh, const char* name, Vec3& origin, doub
 /// Even samples of a side, about `spacing` apart, with normals that are means over `blur` (lengths).
 OrientedPoints even_samples(const AlignSide& side, double spacing, double blur);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

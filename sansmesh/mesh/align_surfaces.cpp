@@ -5,14 +5,14 @@
 #include <numbers>
 #include <optional>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/align_difference.h"
 #include "sansmesh/mesh/align_fit.h"
 #include "sansmesh/mesh/align_search.h"
 #include "sansmesh/mesh/align_side.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::AlignSide;
@@ -275,4 +275,4 @@ SurfaceAlignment align_surfaces(const TriangleMesh& moving, const TriangleMesh& 
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

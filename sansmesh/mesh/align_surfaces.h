@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/affine_map.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/affine_map.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Where the search for the motion begins.
 enum class AlignStart : std::uint8_t {
@@ -95,4 +95,4 @@ struct SurfaceAlignment {
 SurfaceAlignment align_surfaces(const TriangleMesh& moving, const TriangleMesh& fixed,
                                 const SurfaceAlignmentOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,13 +5,13 @@
 #include <limits>
 #include <numbers>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/poisson_discs.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// An arrow from 0 to (0, 0, 1), which all are made of.
@@ -120,4 +120,4 @@ std::vector<std::uint32_t> spread_vertices(const TriangleMesh& mesh, double spac
   return chosen;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/attribute_table.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ArrowOptions {
   /// Of every arrow, > 0 (length); default: `scale` times that of its vector.
@@ -38,4 +38,4 @@ TriangleMesh arrows(std::span<const Vec3> positions, std::span<const Vec3> vecto
 /// used by one. The same for any number of threads.
 std::vector<std::uint32_t> spread_vertices(const TriangleMesh& mesh, double spacing);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Keeps what is at height 0 or above; new vertices are placed by `place(position)` in the end.
@@ -216,4 +216,4 @@ void clip_mesh(TriangleMesh& mesh, std::vector<float> heights, float snap) {
   separate_fans(mesh);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/box.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Cuts the triangles along the faces of the box (relative to the mesh's origin) and drops what is outside: the result
 /// ends there in straight borders. Attributes of vertices are interpolated, those of triangles go to their parts.
@@ -21,4 +21,4 @@ void cut_out_box(TriangleMesh& mesh, const Box3f& box);
 /// farther than they are from a vertex above: without slivers along the border.
 void clip_mesh(TriangleMesh& mesh, std::vector<float> heights, float snap);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 void CollapseOptions::validate() const {
   if (!(std::isfinite(error) && error > 0)) throw ArgumentError("simplify: `error` must be a positive length");
@@ -12,4 +12,4 @@ void CollapseOptions::validate() const {
   if (!(least_shape >= 0 && least_shape <= 0.9)) throw ArgumentError("simplify: `least_shape` must lie in 0..0.9");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct CollapseOptions {
   /// Accepted root mean square distance of a vertex from the planes of the triangles it stands for (length, > 0).
@@ -28,4 +28,4 @@ struct CollapseOptions {
   void validate() const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

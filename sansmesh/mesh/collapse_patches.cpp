@@ -8,7 +8,7 @@
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 /// The vertices along a curve that fills space.
@@ -102,4 +102,4 @@ std::vector<std::uint32_t> collapse_patches(EdgeCollapses& mesh, Progress& progr
   return open;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/mesh/edge_collapses.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// A patch has so many vertices: what belongs to them fits into a core's own cache.
 constexpr std::size_t kPatch = 4096;
@@ -17,4 +17,4 @@ constexpr std::size_t kPatch = 4096;
 /// borders of patches. The same for any number of threads.
 std::vector<std::uint32_t> collapse_patches(EdgeCollapses& mesh, Progress& progress);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

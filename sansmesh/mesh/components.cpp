@@ -11,7 +11,7 @@
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/vertex_corners.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 MeshComponents find_components(const TriangleMesh& mesh) {
   UnionFind sets(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) sets.join(t[0], t[1]), sets.join(t[0], t[2]);
@@ -159,4 +159,4 @@ void separate_fans(TriangleMesh& mesh) {
   for (const auto& [c, v] : renamed) mesh.triangles[c / 3][c % 3] = v;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

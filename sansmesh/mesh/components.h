@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct MeshComponents {
   std::vector<std::uint32_t>
@@ -30,4 +30,4 @@ std::vector<TriangleMesh> split_components(const TriangleMesh& mesh, const MeshC
 /// vertices).
 void separate_fans(TriangleMesh& mesh);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

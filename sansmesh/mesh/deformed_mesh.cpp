@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/refine_edges.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostDeformRounds = 24;
@@ -148,4 +148,4 @@ PointSet deform_points(PointSet points, const SpaceMap& forward, MeshDeformRepor
   return points;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

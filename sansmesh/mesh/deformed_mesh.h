@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <optional>
 
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/space_map.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/space_map.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Attribute of vertices, three numbers: where a cut passes, the copies of a vertex on its two sides lie in the same
 /// place, and each is to be looked at from this far beside it, where the map is that of its side. It goes from there in
@@ -42,4 +42,4 @@ TriangleMesh deform_mesh(TriangleMesh mesh, const SpaceMap& forward, const MeshD
 /// where they were seen.
 PointSet deform_points(PointSet points, const SpaceMap& forward, MeshDeformReport* report = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kTurn = 0.5;     // least cosine between a triangle's normals before and after
@@ -377,4 +377,4 @@ void EdgeCollapses::collapse_in_turn() {
   }
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -10,14 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/box.h"
 #include "sansmesh/mesh/collapse_options.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/quadric.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 constexpr std::size_t kMostRing = 24;  ///< triangles around a vertex that is to be merged
 
@@ -165,4 +165,4 @@ struct EdgeCollapses {
   }
 };
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -8,18 +8,18 @@
 #include <unordered_map>
 #include <utility>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/hole_patch.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/place_edges.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::PatchTriangle;
@@ -450,4 +450,4 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
   return report;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A closed curve along the border of a mesh. Lengths in its unit.
 struct HoleLoop {
@@ -80,4 +80,4 @@ struct FillReport {
 /// triangles they are unknown. The same for any number of threads.
 FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

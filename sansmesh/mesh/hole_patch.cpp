@@ -9,7 +9,7 @@
 #include <unordered_set>
 #include <utility>
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr std::uint32_t kNoOther = ~std::uint32_t{0};
@@ -325,4 +325,4 @@ bool fair_patch(std::span<const PatchTriangle> triangles, std::span<const PatchT
   return true;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

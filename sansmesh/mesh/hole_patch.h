@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Vertices are numbered along the loop; new ones follow.
 using PatchTriangle = std::array<std::uint32_t, 3>;
@@ -40,4 +40,4 @@ void refine_patch(std::vector<PatchTriangle>& triangles, std::vector<Vec3>& x, s
 bool fair_patch(std::span<const PatchTriangle> triangles, std::span<const PatchTriangle> outside,
                 std::span<const Vec3> around, std::size_t loop, std::vector<Vec3>& x);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -5,7 +5,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kLeaf = 4;
@@ -156,4 +156,4 @@ ClosestTriangle::Hit ClosestTriangle::closest(const Vec3& query, const Hit& hint
   return best;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

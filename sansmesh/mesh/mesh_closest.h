@@ -5,9 +5,9 @@
 #include <limits>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What of a triangle (a, b, c) a point lies on: a corner, an edge without its ends, or the inside.
 enum class TrianglePart : std::uint8_t { a, b, c, ab, bc, ca, inside };
@@ -67,4 +67,4 @@ class ClosestTriangle {
   std::vector<std::uint32_t> slots_;      ///< of each triangle of the mesh: place in tree order
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,15 +5,15 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kLostSpacings = 2, kLostNoises = 4, kInventedSpacings = 4;
@@ -114,4 +114,4 @@ MeshCoverage measure_coverage(const TriangleMesh& mesh, const PointSet& samples,
   return coverage;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

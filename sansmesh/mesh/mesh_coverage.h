@@ -7,11 +7,11 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How many of some places are far from all that they should be near.
 struct FarPlaces {
@@ -51,4 +51,4 @@ struct MeshCoverage {
 MeshCoverage measure_coverage(const TriangleMesh& mesh, const PointSet& samples, std::size_t places,
                               Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

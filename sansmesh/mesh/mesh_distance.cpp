@@ -13,7 +13,7 @@
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kDistanceChunk = 2048;  // samples that share one chain of hints: fixed, so that results repeat
@@ -219,4 +219,4 @@ SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <optional>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct DistanceOptions {
   /// Samples on each mesh, spread evenly over its area, 1..2^31; of a cloud every point is compared. Maxima include all
@@ -42,4 +42,4 @@ struct SurfaceDistance {
 SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh& reference,
                                  const DistanceOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_size.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kQualityChunk = 16384;
@@ -95,4 +95,4 @@ MeshQuality measure_quality(const TriangleMesh& mesh) {
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,9 +3,9 @@
 
 #include <cstddef>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Over the triangles with an area; lengths in the unit of the mesh, angles in degrees.
 struct MeshQuality {
@@ -28,4 +28,4 @@ MeshQuality measure_quality(const TriangleMesh& mesh);
 /// l_max P / (4 √3 S); infinite without an area.
 double aspect_ratio(const Vec3& a, const Vec3& b, const Vec3& c);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSizeChunk = 16384;
@@ -38,4 +38,4 @@ MeshSize measure_size(const TriangleMesh& mesh) {
       });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

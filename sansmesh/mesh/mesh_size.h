@@ -1,9 +1,9 @@
 // Area of a mesh, and the volume that it encloses.
 #pragma once
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// In the unit of the corners, squared.
 inline double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * norm(cross(b - a, c - a)); }
@@ -17,4 +17,4 @@ struct MeshSize {
 /// Over the triangles that have an area and corners that exist. Deterministic for any number of threads.
 MeshSize measure_size(const TriangleMesh& mesh);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/mesh/vertex_corners.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kTopologyChunk = 8192;
@@ -141,4 +141,4 @@ MeshTopology measure_topology(const TriangleMesh& mesh) {
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <optional>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Counts over the triangles with three different corners; others are only counted as degenerate. Vertices are told
 /// apart by index, not by position: a triangle soup has three boundary edges per triangle.
@@ -44,4 +44,4 @@ struct MeshTopology {
 /// Time and memory linear in the size of the mesh, in parallel.
 MeshTopology measure_topology(const TriangleMesh& mesh);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 
 #include "sansmesh/core/index_in.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 template <class T>
@@ -71,4 +71,4 @@ void take_vertices(TriangleMesh& mesh, std::span<const std::uint32_t> vertices) 
   if (!mesh.attributes.empty()) mesh.attributes = mesh.attributes.taken(vertices);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

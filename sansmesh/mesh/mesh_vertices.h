@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <span>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// In tables of numbers of vertices: none.
 constexpr std::uint32_t kNoVertex = ~std::uint32_t{0};
@@ -28,4 +28,4 @@ void append_vertices(TriangleMesh& mesh, const TriangleMesh& from, std::span<con
 /// Vertex i is what vertex vertices[i] was.
 void take_vertices(TriangleMesh& mesh, std::span<const std::uint32_t> vertices);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

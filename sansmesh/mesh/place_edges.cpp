@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/same_places.h"
 #include "sansmesh/mesh/vertex_corners.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 bool is_whole(const TriangleMesh& mesh, const Triangle& t) {
   const std::size_t n = mesh.vertices.size();
@@ -84,4 +84,4 @@ JoinedPlaces join_places(TriangleMesh& mesh) {
   return report;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

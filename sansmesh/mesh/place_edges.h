@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Files often repeat a vertex where colours or normals jump, or for every triangle. Such seams are no borders: here
 /// vertices at the same place are one, known by the first of them.
@@ -44,4 +44,4 @@ JoinedPlaces join_places(TriangleMesh& mesh);
 /// Whether all corners of a triangle exist and are finite.
 bool is_whole(const TriangleMesh& mesh, const Triangle& t);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kNearlyLongest = 0.6;  // of the longest edge squared: shorter ones stay, or triangles become flat
@@ -279,4 +279,4 @@ PlanarFill fill_planar(const std::vector<std::vector<std::array<double, 2>>>& lo
   return fill;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

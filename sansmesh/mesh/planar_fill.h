@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct PlanarFill {
   std::vector<std::array<double, 2>> points;  ///< those given, loop after loop, and then those added inside
@@ -27,4 +27,4 @@ struct PlanarFill {
 PlanarFill fill_planar(const std::vector<std::vector<std::array<double, 2>>>& loops, double length,
                        std::span<const std::uint8_t> apart = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

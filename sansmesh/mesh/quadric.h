@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "sansmesh/core/matrix3.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Share of the quadric's trace that ties the optimum to the edge's centroid.
 constexpr double kTether = 1e-3;
@@ -45,4 +45,4 @@ struct Quadric {
   }
 };
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -3,11 +3,11 @@
 #include <string>
 #include <unordered_map>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/refine_edges.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::uint32_t add_middle(TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
@@ -81,4 +81,4 @@ bool refine_edges(TriangleMesh& mesh, double length, std::size_t most_triangles)
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

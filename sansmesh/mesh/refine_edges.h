@@ -6,9 +6,9 @@
 #include <functional>
 #include <optional>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Cuts edges longer than `length` in half, again and again, together with the triangles at them, without opening
 /// seams: so that a map reaches the middle of large triangles. Attributes of vertices are interpolated, those of
@@ -23,4 +23,4 @@ std::optional<std::size_t> split_edges(TriangleMesh& mesh,
                                        const std::function<bool(std::uint32_t, std::uint32_t)>& to_split,
                                        std::size_t most_triangles = 20000000);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

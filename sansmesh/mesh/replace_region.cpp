@@ -13,7 +13,7 @@
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Of each vertex whether it lies in one of the boxes.
@@ -196,4 +196,4 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

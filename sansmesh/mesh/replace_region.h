@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/box.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct RegionReplacement {
   bool done = false;  ///< everywhere
@@ -28,4 +28,4 @@ struct RegionReplacement {
 RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, const std::vector<Box3f>& sound,
                                  const std::vector<Box3f>& changed, float tolerance, double least_agreement = 0);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

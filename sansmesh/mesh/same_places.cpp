@@ -4,7 +4,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::uint64_t place_key(const Vec3f& p) {
@@ -36,4 +36,4 @@ std::vector<std::uint32_t> first_at_place(std::span<const Vec3f> positions) {
   return first;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kTrianglesOfLeaf = 4;
@@ -170,4 +170,4 @@ std::size_t count_self_intersections(const TriangleMesh& mesh, double tolerance,
   return std::accumulate(counts.begin(), counts.end(), std::size_t{0});
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,9 +7,9 @@
 #include <functional>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Pairs of triangles (the lower number first, in ascending order) of which an edge of one goes through the other, with
 /// its ends farther than `tolerance` (length) from that one's plane. Triangles that share an edge are not looked at, of
@@ -20,4 +20,4 @@ std::vector<std::array<std::uint32_t, 2>> self_intersections(const TriangleMesh&
 std::size_t count_self_intersections(const TriangleMesh& mesh, double tolerance,
                                      const std::function<void(std::uint32_t, std::uint32_t)>& found);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

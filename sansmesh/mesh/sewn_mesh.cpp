@@ -10,7 +10,7 @@
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/mesh/same_places.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSewnChunk = 8192;
@@ -108,4 +108,4 @@ MeshTopology sewn_topology(const SewnMesh& sewn) {
 
 MeshTopology sewn_topology(const TriangleMesh& mesh) { return sewn_topology(sewn_mesh(mesh)); }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,10 +3,10 @@
 
 #include <cstddef>
 
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SewnMesh {
   /// Only places and triangles. All vertices stand where they stood, also those that nothing uses any more.
@@ -28,4 +28,4 @@ MeshTopology sewn_topology(const TriangleMesh& mesh);
 /// The same of a mesh that is sewn already.
 MeshTopology sewn_topology(const SewnMesh& sewn);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -16,7 +16,7 @@
 #include "sansmesh/mesh/edge_collapses.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint64_t kNoKey = std::numeric_limits<std::uint64_t>::max();
@@ -270,4 +270,4 @@ bool simplify_mesh(TriangleMesh& mesh, const CollapseOptions& options, Progress&
   return true;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/mesh/collapse_options.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Collapses edges as long as the quadric error (Garland & Heckbert 1997, "Surface simplification using quadric error
 /// metrics") stays below `error`, cheapest first among their surroundings, many at once. Topology, closedness and
@@ -19,4 +19,4 @@ namespace sansmesh {
 bool simplify_mesh(TriangleMesh& mesh, const CollapseOptions& options, Progress& progress,
                    std::vector<std::uint32_t>* from = nullptr, std::vector<std::uint32_t>* becomes = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

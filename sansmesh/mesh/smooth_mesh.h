@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <optional>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SmoothOptions {
   /// Pairs of steps, 1..10000; with `creases` rounds over the normals. Default: what `length` asks for; else 10, with
@@ -55,4 +55,4 @@ struct SmoothReport {
 /// are made anew if there were any. The same for any number of threads.
 SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 
 #include "sansmesh/core/number_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Edges that are open although they belong to two triangles or more.
@@ -46,4 +46,4 @@ std::string border_words(const MeshTopology& t) {
   return text;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 
 #include "sansmesh/mesh/mesh_topology.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// "not closed, manifold, 1 component, genus 0, 223 boundary edges in 5 loops". Closed is what encloses a volume
 /// (MeshTopology::encloses), be it manifold or not.
@@ -15,4 +15,4 @@ std::string open_words(const MeshTopology& topology);
 /// "closed", "closed, but 12 edges of three triangles or more", "223 border edges": after something was done to it.
 std::string border_words(const MeshTopology& topology);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kSamePoint = 1e-3;              // of the radius
@@ -229,4 +229,4 @@ TriangleMesh tubes(const PolylineSet& lines, const TubeOptions& options) {
   return mesh;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

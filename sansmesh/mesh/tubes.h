@@ -1,10 +1,10 @@
 // Lines as tubes.
 #pragma once
 
-#include "sansmesh/data/polyline_set.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/polyline_set.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct TubeOptions {
   double radius = 0;  ///< of the corners of cross-sections, > 0 (length)
@@ -32,4 +32,4 @@ struct TubeOptions {
 /// their line. Throws ArgumentError for bad options, DataError for more vertices than a mesh can have.
 TriangleMesh tubes(const PolylineSet& lines, const TubeOptions& options);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <numeric>
 #include <vector>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/error.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// So many triangles have corners that 32 bits count.
 constexpr std::size_t kMostTriangles = 0xffffffff / 3;
@@ -31,4 +31,4 @@ struct VertexCorners {
   }
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -13,7 +13,7 @@
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/points/close_points.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kWeldChunk = 8192;
@@ -117,4 +117,4 @@ WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
   return report;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,9 +3,9 @@
 
 #include <cstddef>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct WeldReport {
   std::size_t vertices = 0;   ///< that are gone
@@ -19,4 +19,4 @@ struct WeldReport {
 /// without a direction left: none; of integers: the first). Throws ArgumentError for another distance.
 WeldReport weld_vertices(TriangleMesh& mesh, double distance);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

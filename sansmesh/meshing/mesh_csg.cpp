@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "sansmesh/core/cancel_scope.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/length_limits.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/piece_expression.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_size.h"
@@ -24,7 +24,7 @@
 #include "sansmesh/polygonize/crease_mesh.h"
 #include "sansmesh/polygonize/piece_surface.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kCellsOnDiagonal = 256;
@@ -393,4 +393,4 @@ TriangleMesh mesh_csg(const Solid& solid, const CsgMeshOptions& options, Progres
   return mesh_of(options.box ? cut_off(solid, *options.box) : solid, whole_box, options, progress, report);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,14 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/csg/solid.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/piecewise_field.h"
 #include "sansmesh/meshing/mesh_options.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct CsgMeshOptions {
   /// Accepted mean distance between curved parts and their triangles (length); by default a 50,000th of the diagonal of
@@ -68,4 +68,4 @@ TriangleMesh mesh_csg(const PiecewiseField& solid, const CsgMeshOptions& options
 TriangleMesh mesh_csg(const Solid& solid, const CsgMeshOptions& options, Progress& progress,
                       CsgMeshReport* report = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

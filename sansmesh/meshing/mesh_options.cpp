@@ -4,11 +4,11 @@
 
 #include <limits>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/option_text.h"
+#include "sansmesh/error.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::string_view kMeshers[] = {"auto", "blocks", "walk"};
@@ -106,4 +106,4 @@ void MeshOptions::validate_walk() const {
   unset(enhance, "enhance = false");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

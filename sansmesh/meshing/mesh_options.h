@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/box.h"
+#include "sansmesh/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Which connected components of the surface are kept.
 struct ComponentChoice {
@@ -77,4 +77,4 @@ struct MeshReport {
   std::vector<std::string> warnings;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <numeric>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_quality.h"
@@ -17,7 +17,7 @@
 #include "sansmesh/points/sample_colors.h"
 #include "sansmesh/points/sample_confidence.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 /// Components go, unless all are asked for, that are small, or whose samples stand for less than this share of their
@@ -254,4 +254,4 @@ void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, dou
   }
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

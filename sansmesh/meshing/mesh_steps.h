@@ -6,18 +6,18 @@
 #include <functional>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/placement.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/placement.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/polygonize/polygonize.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/search/kd_tree.h"
+#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// A component of a mesh is small if its samples (or, without samples, its area) are less than this share of those of
 /// the largest one.
@@ -66,4 +66,4 @@ std::string lost_samples(const MeshReport& report);
 void finish_mesh(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, double mesh_error,
                  const MeshOptions& options, MeshReport& r);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -5,17 +5,17 @@
 #include <cmath>
 #include <numbers>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/error.h"
+#include "sansmesh/image.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/poisson_discs.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kBatch = 1024;
@@ -265,4 +265,4 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,13 +3,13 @@
 
 #include <cstddef>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/option.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ProjectToSurface {
   int steps = 10;           ///< at most, 1..1000
@@ -43,4 +43,4 @@ PointSet project_points(const PointSet& points, const SurfaceModel& model, const
 PointSet resample_surface(const SurfaceModel& model, std::size_t count, const ProjectToSurface& options,
                           Progress& progress, SurfaceProjection* report = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/search/ball_tree.h"
 #include "sansmesh/triangulation/divide_blocks.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Balls that must hold fine blocks: this share of the radius within which the surface is defined.
@@ -105,4 +105,4 @@ BlockTree surface_blocks(const SurfaceSupport& surface, double coarseness, const
   return tree;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,12 +4,12 @@
 #include <optional>
 #include <span>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/box.h"
 #include "sansmesh/field/ball_union.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Support of a surface of samples.
 struct SurfaceSupport {
@@ -30,4 +30,4 @@ struct FlatSurface {
 /// flat, and no finer than the weights are wide.
 BlockTree surface_blocks(const SurfaceSupport& surface, double coarseness, const std::optional<FlatSurface>& flat = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

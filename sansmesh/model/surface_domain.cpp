@@ -11,7 +11,7 @@
 #include "sansmesh/function/function_domain.h"
 #include "sansmesh/partition/global_sign.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Fewest samples of a border: those around the narrowest hole that Coverage leaves open are half as many again.
@@ -169,4 +169,4 @@ void SurfaceDomain::ranges(std::span<const Vec3> x, double radius, std::span<Val
 
 void SurfaceDomain::refine(BlockTree& blocks, int deepest) const { refine_along(borders_, blocks, deepest); }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

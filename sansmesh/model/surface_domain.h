@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/coverage.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Negative where there is surface, as PolygonizeOptions::domain wants it. A surface that bounds no solid ends where
 /// its samples cease to cover it (Coverage). One that bounds a solid does so along the borders of holes of more than
@@ -53,4 +53,4 @@ class SurfaceDomain : public ScalarField {
   std::optional<double> trim_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

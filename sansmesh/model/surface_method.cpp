@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 bool SurfaceMethod::uses_option(std::string_view option) const {
   return std::find(uses.begin(), uses.end(), option) != uses.end();
@@ -20,4 +20,4 @@ std::string surfaces_that_use(std::string_view option) {
   return text;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,16 +8,16 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/schema/registry.h"
 #include "sansmesh/surface/surface_samples.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SurfaceOptions;
 
@@ -85,4 +85,4 @@ std::string surfaces_that_use(std::string_view option);
 /// The surface that most begin with, and that function files keep: "partition".
 inline constexpr std::string_view kPartitionSurface = "partition";
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,14 +4,14 @@
 #include <mutex>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/model/methods/partition_methods.h"
 #include "sansmesh/model/surface_blocks.h"
 #include "sansmesh/points/sample_colors.h"
 #include "sansmesh/surface/bilateral_normals.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Newton steps from a sample to the surface.
@@ -187,4 +187,4 @@ std::vector<Vec3> SurfaceModel::seeds() const {
   return {balls().centers.begin(), balls().centers.end()};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

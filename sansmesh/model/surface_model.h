@@ -8,21 +8,21 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/placement.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/color_field.h"
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/model/surface_method.h"
 #include "sansmesh/model/surface_options.h"
+#include "sansmesh/placement.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SurfaceReport {
   std::string method;
@@ -92,4 +92,4 @@ SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, 
 /// The same of a function that was fitted before: the surface "partition".
 SurfaceModel make_surface_model(SurfaceFunction function);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,11 +4,11 @@
 
 #include <string_view>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/model/surface_method.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Orders of the approximation as words.
@@ -110,4 +110,4 @@ void SurfaceOptions::validate() const {
   if (used.check) used.check(*this);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,12 +4,12 @@
 #include <optional>
 #include <string>
 
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
 #include "sansmesh/surface/bilateral_normals.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "sansmesh/surface/projection_surface.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// All optional values follow from the data where absent. Lengths are in the unit of the input. A method uses some of
 /// them only (SurfaceMethod::uses).
@@ -45,4 +45,4 @@ struct SurfaceOptions {
   void validate() const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 ValueRange shape_range(const QuadricPiece* pieces, PieceCombination how, const Vec3& x, double radius) {
   std::array<ValueRange, kMostPieces> r{};
@@ -28,4 +28,4 @@ double shape_error(const LocalShape& shape, std::span<const Vec3> x) {
   return most;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,10 +7,10 @@
 #include <cstdint>
 #include <span>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// q(x) = xᵀ A x + b·x + c, x relative to a centre of its own; A is symmetric.
 struct QuadricPiece {
@@ -95,4 +95,4 @@ ValueRange shape_range(const QuadricPiece* pieces, PieceCombination how, const V
 /// set, to first order.
 double shape_error(const LocalShape& shape, std::span<const Vec3> x);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

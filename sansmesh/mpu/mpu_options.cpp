@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kErrorOfSpacing = 0.05, kErrorOfNoise = 5;
@@ -22,4 +22,4 @@ double default_mpu_error(double spacing, double noise) {
   return std::max(kErrorOfSpacing * spacing, kErrorOfNoise * noise);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct MpuOptions {
   /// Accepted distance of the samples of a cell from its shape (length): cells with a larger one are divided; default:
@@ -19,4 +19,4 @@ struct MpuOptions {
 /// Of samples so far apart, with noise of this standard deviation (lengths).
 double default_mpu_error(double spacing, double noise);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

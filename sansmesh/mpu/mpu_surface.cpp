@@ -9,15 +9,15 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mpu/spline_weight.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/ball_tree.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kFewest = 9;
@@ -300,4 +300,4 @@ MpuSurface make_mpu_surface(const PointSet& points, const MpuOptions& options, P
   return surface;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

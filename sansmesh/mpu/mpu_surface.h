@@ -5,15 +5,15 @@
 #include <memory>
 #include <span>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/field/ball_union.h"
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/mpu/mpu_options.h"
 #include "sansmesh/mpu/mpu_tree.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What fitting learned about the data.
 struct MpuReport {
@@ -58,4 +58,4 @@ class MpuSurface : public ScalarField {
 /// for bad options, DataError where there are no normals, or fewer than 9 samples, or all coincide.
 MpuSurface make_mpu_surface(const PointSet& points, const MpuOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,14 +5,14 @@
 #include <limits>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mpu/piecewise_shape.h"
 #include "sansmesh/mpu/shape_fits.h"
 #include "sansmesh/mpu/spline_weight.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Radius of a ball over the diagonal of its cell; how much farther than the last
@@ -273,4 +273,4 @@ MpuTree fit_mpu_tree(std::span<const Vec3f> positions, std::span<const Vec3f> no
   return tree;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,13 +7,13 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
 #include "sansmesh/mpu/local_shape.h"
 #include "sansmesh/mpu/mpu_options.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// N_min: a ball with fewer samples is enlarged for its fit.
 inline constexpr std::size_t kLeastSamples = 15;
@@ -51,4 +51,4 @@ struct MpuTree {
 MpuTree fit_mpu_tree(std::span<const Vec3f> positions, std::span<const Vec3f> normals, double error, int max_depth,
                      bool sharp, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kEdgeCosine = 0.9, kCornerCosine = 0.7;
@@ -137,4 +137,4 @@ std::optional<LocalShape> piecewise_shape(const BallSamples& samples, int degree
   return shape;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

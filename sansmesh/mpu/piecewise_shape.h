@@ -10,7 +10,7 @@
 
 #include "sansmesh/mpu/shape_fits.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// For each of these unit normals which of up to kMostPieces faces it belongs to.
 struct FaceSplit {
@@ -27,4 +27,4 @@ FaceSplit split_by_normals(std::span<const Vec3> normals);
 /// where there is one face.
 std::optional<LocalShape> piecewise_shape(const BallSamples& samples, int degree);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// What the samples do not tell is 0: added to the diagonal of a matrix of entries about 1 large.
@@ -101,4 +101,4 @@ QuadricPiece general_quadric(const BallSamples& samples, std::span<const Distanc
   return q;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

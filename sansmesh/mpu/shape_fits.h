@@ -6,7 +6,7 @@
 
 #include "sansmesh/mpu/local_shape.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The samples of a ball; arrays of equal length, not empty. Positions relative to its centre.
 struct BallSamples {
@@ -28,4 +28,4 @@ QuadricPiece height_quadric(const BallSamples& samples, const Vec3& up, int degr
 /// tell all of it, the smallest one. `radius`: of the ball (length).
 QuadricPiece general_quadric(const BallSamples& samples, std::span<const DistancePlace> places, double radius);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

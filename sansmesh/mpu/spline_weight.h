@@ -1,7 +1,7 @@
 // The weights of multi-level partition of unity implicits.
 #pragma once
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// b(3 r / 2) with the quadratic B-spline b, r being the distance from the centre over the radius of the ball
 /// ([ohtake2003], equation 3): 0.75 in the middle, 0 from the rim on, with a continuous slope.
@@ -19,4 +19,4 @@ inline double spline_weight_slope(double r) {
   return t < 1.5 ? -1.5 * (1.5 - t) / r : 0;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

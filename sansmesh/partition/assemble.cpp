@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <limits>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 LeafRef ref_of(const PartitionData& data, std::size_t support) {
   return {&data.functions[support], &data.supports[support], data.functions.data(), nullptr};
@@ -68,4 +68,4 @@ void assemble(std::span<const LeafRef> leaves, PartitionData& data) {
   sum_up(data);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/partition/leaf_fit.h"
 #include "sansmesh/partition/partition_data.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Place of a block along the Morton curve, with those of all levels.
 inline std::uint64_t curve_position(int level, std::uint64_t code) { return code << (3 * (20 - level)); }
@@ -35,4 +35,4 @@ void append_pieces(std::size_t support, std::span<const LocalFunction> pieces, s
 /// The sums over the supports in the report of `data`.
 void sum_up(PartitionData& data);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

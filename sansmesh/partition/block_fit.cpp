@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Balls for blocks with too few samples, in units of its radius: of twice the area, and the parent's.
@@ -160,4 +160,4 @@ void ball_samples(const SampleTree& tree, const LocalFunction& f, std::span<cons
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -11,7 +11,7 @@
 #include "sansmesh/partition/partition_of_unity.h"
 #include "sansmesh/partition/sample_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The blocks of a tree of samples and the balls around them.
 struct BlockFitter {
@@ -81,4 +81,4 @@ int highest_degree(const PartitionOptions& options, const DegreeFits& fits, cons
 void ball_samples(const SampleTree& tree, const LocalFunction& f, std::span<const std::uint32_t> ids,
                   std::vector<Vec3f>& position, std::vector<Vec3f>& normal, std::vector<float>& weight);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

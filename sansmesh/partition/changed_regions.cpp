@@ -8,7 +8,7 @@
 #include "sansmesh/core/boxes.h"
 #include "sansmesh/core/index_in.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMostRegions = 64;
@@ -45,4 +45,4 @@ std::vector<Box3f> changed_regions(const std::vector<Box3f>& boxes, const Box3f&
   return regions;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

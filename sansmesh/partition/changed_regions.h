@@ -3,12 +3,12 @@
 
 #include <vector>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Boxes, at most 64, whose union holds all of those given and little else: each is around those of them that have
 /// their middle in one cell of a grid over `cube`, which is as fine as that number allows. They may overlap.
 std::vector<Box3f> changed_regions(const std::vector<Box3f>& boxes, const Box3f& cube);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kCreaseCosine = 0.86f;  // normals that differ by more than 30° may belong to different sheets
@@ -177,4 +177,4 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

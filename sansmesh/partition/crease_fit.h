@@ -8,7 +8,7 @@
 #include "sansmesh/partition/local_fit.h"
 #include "sansmesh/partition/local_function.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct CreaseFit {
   /// In the order they are joined; a single one where the ball barely touches the other sheet; empty: no crease found.
@@ -22,4 +22,4 @@ struct CreaseFit {
 CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> normals, std::span<const float> weights,
                      const Vec3f& center, float scale, int max_degree);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

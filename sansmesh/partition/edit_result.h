@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
 #include "sansmesh/partition/partition_data.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Supports by their number, ascending.
 using Selection = std::vector<std::uint32_t>;
@@ -35,4 +35,4 @@ struct EditResult {
   std::size_t lower = 0;     ///< of the changed ones, supports of a lower degree than was asked for
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

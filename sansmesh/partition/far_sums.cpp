@@ -13,15 +13,15 @@
 
 #ifndef SANSMESH_FAR_SUMS_ONCE
 #define SANSMESH_FAR_SUMS_ONCE
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 /// Squared distance from a group in squares of its radius: below the first its members count, beyond the second it
 /// counts as one. Closer up a group's 1/r⁶ is so far from that of its members that the hand-over would be steep.
 constexpr float kOpen = 4.0f, kClosed = 5.0f;
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace pn = portable::HWY_NAMESPACE;
@@ -246,16 +246,16 @@ void SumSources(const FarTree& tree, FarSums sums, bool gradient, std::size_t co
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 HWY_EXPORT(SumSources);
 
 void sum_sources(const FarTree& tree, FarSums sums, bool gradient, std::size_t count, FarBatch& batch) {
   HWY_DYNAMIC_DISPATCH(SumSources)(tree, sums, gradient, count, batch);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 #endif

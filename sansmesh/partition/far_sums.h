@@ -5,7 +5,7 @@
 
 #include "sansmesh/partition/far_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Points and the sums over all patches at each: of dipoles / r³ (of open ones / r⁶), of area / r⁴, of area / r⁶; and
 /// the gradients of those.
@@ -20,4 +20,4 @@ enum class FarSums { winding, closed, open };
 /// none.
 void sum_sources(const FarTree& tree, FarSums sums, bool gradient, std::size_t count, FarBatch& batch);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <numbers>
 #include <utility>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// The moments of a group, as FarTree::Moments has them.
@@ -137,4 +137,4 @@ FarTree far_tree(std::span<const OrientedPatch> patches, float unit) {
   return tree;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

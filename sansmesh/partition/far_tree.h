@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/search/box_levels.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A small oriented piece of surface: area vector = unit outward normal × area.
 struct OrientedPatch {
@@ -42,4 +42,4 @@ struct FarTree {
 /// Of the patches that have an area and a place, all in units of `unit`.
 FarTree far_tree(std::span<const OrientedPatch> patches, float unit);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kBottomless = std::numeric_limits<float>::infinity();
@@ -46,4 +46,4 @@ void mark_crease(const std::vector<std::vector<std::uint64_t>>& code, std::vecto
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

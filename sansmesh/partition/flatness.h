@@ -6,7 +6,7 @@
 
 #include "sansmesh/partition/scale_choice.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Gap that linear triangles of half a block's edge would leave on the surface in a cell of the tree (length).
 float flatness_gap(const BlockFitter& fitter, const ScaleChoice& choice, int level, std::uint32_t cell);
@@ -16,4 +16,4 @@ float flatness_gap(const BlockFitter& fitter, const ScaleChoice& choice, int lev
 void mark_crease(const std::vector<std::vector<std::uint64_t>>& code, std::vector<std::vector<float>>& gap, float edge,
                  int level, std::uint64_t block);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/partition/far_sums.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 float plane_area_in_cube(const Vec3f& point, const Vec3f& normal, const Vec3f& lower, float edge) {
   // A square of the plane that is larger than the cube, cut by the cube's six sides.
@@ -167,4 +167,4 @@ void FarField::signed_distance(std::span<const Vec3f> x, std::span<float> values
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/partition/far_tree.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Area of {x : ⟨x − point, normal⟩ = 0} within the cube [lower, lower + edge]³. Patches cut out of the cells that they
 /// pass through tile a surface whatever the density of its samples.
@@ -58,4 +58,4 @@ struct FarField {
   void signed_distance(std::span<const Vec3f> x, std::span<float> values, std::span<Vec3f> gradients = {}) const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

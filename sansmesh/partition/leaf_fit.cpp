@@ -7,7 +7,7 @@
 #include "sansmesh/partition/crease_fit.h"
 #include "sansmesh/partition/global_sign.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Balls that are tried with noise, of about two and of four times the area.
@@ -146,4 +146,4 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include "sansmesh/partition/neighbour_walk.h"
 #include "sansmesh/partition/scale_choice.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A support with its function; of a creased one, with the further pieces in the order in which they are joined.
 struct FittedLeaf {
@@ -30,4 +30,4 @@ FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const 
 /// Fills in foot and area of a support from its function: the patch of surface in its block, the cube [lower, +edge]³.
 void place_patch(const LocalFunction& f, const Vec3f& lower, float edge, Support& support);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

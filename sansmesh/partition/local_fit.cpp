@@ -14,7 +14,7 @@
 #include "sansmesh/partition/local_fit.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -82,11 +82,11 @@ void AccumulateMoments(int degree, const float* u, const float* v, const float* 
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 HWY_EXPORT(AccumulateMoments);
 
 namespace {
@@ -176,5 +176,5 @@ std::array<float, 15> monomial_coefficients(const DegreeFits& fits, int degree) 
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 #endif

@@ -7,7 +7,7 @@
 
 #include "sansmesh/partition/local_function.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Samples of one support in its local frame, divided by the scale; a structure of arrays that is reused from fit to
 /// fit.
@@ -59,4 +59,4 @@ DegreeFits fit_all_degrees(LocalSamples& samples, int max_degree);
 /// Monomial coefficients of the fit of one degree (<= fits.highest).
 std::array<float, 15> monomial_coefficients(const DegreeFits& fits, int degree);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

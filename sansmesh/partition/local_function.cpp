@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Where the slope of a polynomial is looked at: in the middle of its disc and on two rings around it. No point of the
@@ -95,4 +95,4 @@ float local_slope(const LocalFunction& f, const Vec3f& center, float radius) {
   return std::hypot(1.0f, most) * kRoundedUp;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,9 +4,9 @@
 #include <array>
 #include <cstdint>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 constexpr int kMaxDegree = 4;
 /// Number of bivariate monomials up to degree d: (d+1)(d+2)/2.
@@ -45,4 +45,4 @@ float local_slope(const LocalFunction& f, const Vec3f& center, float radius);
 
 static_assert(sizeof(LocalFunction) == 128 && alignof(LocalFunction) == 4);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 NeighbourWalk::NeighbourWalk(const SampleTree& tree) : tree_(tree), steps_(static_cast<std::size_t>(tree.depth()) + 1) {
   steps_[0].cell = 0;
@@ -59,4 +59,4 @@ void NeighbourWalk::find_children(Step& step, std::size_t above) const {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 
 #include "sansmesh/partition/sample_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Knows the cells around one cell of each level, the last one asked for and its ancestors. Along the curve, where the
 /// next cell has most ancestors in common with the one before, each cell of the tree is looked up once: quicker than to
@@ -45,4 +45,4 @@ class NeighbourWalk {
   std::size_t level_ = 0;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

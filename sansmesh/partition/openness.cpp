@@ -10,7 +10,7 @@
 #include "sansmesh/partition/sheets.h"
 #include "sansmesh/partition/support_patches.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// How far behind its surface a support looks, in radii of a disc as large as its patch: near enough that thin walls
@@ -133,4 +133,4 @@ void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, Parti
   sum_up(data);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

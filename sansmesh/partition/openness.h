@@ -4,10 +4,10 @@
 #include <optional>
 #include <span>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/partition/partition_data.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// From this mean winding number behind its samples on, a sheet counts as closed: its holes take less than an
 /// eighth of what is seen from there. It is 1/2 behind a plane, 0.8 behind half a sphere; with the approximation that
@@ -21,4 +21,4 @@ constexpr double kClosedBehind = 0.87;
 /// for, follow the bulk of the others: they say little by themselves. `samples`: along the Morton curve.
 void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, PartitionData& data);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/partition/paper_local.h"
 #include "sansmesh/partition/replace_supports.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 bool fails_coverage(const LocalFunction& function, const Support& support, const PaperCoverage& coverage) {
   if (support.state != Support::fitted) return false;
@@ -52,4 +52,4 @@ EditResult set_paper_degree(const PartitionData& data, const Selection& chosen, 
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,11 +3,11 @@
 
 #include <optional>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/partition/edit_result.h"
 #include "sansmesh/partition/partition_data.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Whether the samples of a support are too few for a plane, or do not cover as much of it as its degree needs.
 bool fails_coverage(const LocalFunction& function, const Support& support, const PaperCoverage& coverage);
@@ -17,4 +17,4 @@ bool fails_coverage(const LocalFunction& function, const Support& support, const
 EditResult set_paper_degree(const PartitionData& data, const Selection& chosen, std::optional<int> degree,
                             const EditSamples& samples, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,14 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/assemble.h"
 #include "sansmesh/partition/leaf_fit.h"
 #include "sansmesh/partition/paper_local.h"
 #include "sansmesh/partition/sample_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// What became of a block.
@@ -254,4 +254,4 @@ PartitionOfUnity fit_paper_partition(PointSet points, const PaperOptions& option
   return field;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -16,13 +16,13 @@
 
 #include <cstddef>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/partition/paper_options.h"
 #include "sansmesh/partition/partition_data.h"
 #include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How the blocks came to be.
 struct PaperReport {
@@ -43,4 +43,4 @@ struct PaperReport {
 PartitionOfUnity fit_paper_partition(PointSet points, const PaperOptions& options, Progress& progress,
                                      PointSet* sorted = nullptr, PaperReport* report = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

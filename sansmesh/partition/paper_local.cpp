@@ -8,7 +8,7 @@
 #include "sansmesh/core/morton.h"
 #include "sansmesh/points/local_frame.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 void set_frame(LocalFunction& f, const Vec3f& nu) {
@@ -163,4 +163,4 @@ void PaperFitter::borrow_plane(PaperLocal& local) const {
   f.coefficient[0] = static_cast<float>(dot(mean - Vec3(f.center), Vec3(f.nu)) / static_cast<double>(f.scale));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -13,7 +13,7 @@
 #include "sansmesh/partition/partition_data.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Samples that a plane needs; a support with fewer borrows one from the nearest.
 constexpr std::size_t kEnoughForPlane = std::size_t{paper::kSamplesPerBasis} * kBasisSize[1];
@@ -82,4 +82,4 @@ class PaperFitter {
   KdTree nearest_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <string>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/local_function.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 void PaperOptions::validate() const {
   const auto check = [](bool ok, const std::string& what) {
@@ -22,4 +22,4 @@ void PaperOptions::validate() const {
   for (const double k : coverage) check(k >= 0 && k <= 2, "`coverage` must lie in 0..2 for each degree");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Least coverage for degrees 2, 3 and 4: area of the box of the projected samples over that of the projected support.
 using PaperCoverage = std::array<double, 3>;
@@ -39,4 +39,4 @@ constexpr std::size_t kCluster = 20;        ///< samples of a borrowed plane: th
 constexpr double kCosBorrowed = 0.8660254;  ///< of π/6: how far off the mean normal a least-squares plane's may be
 }  // namespace paper
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

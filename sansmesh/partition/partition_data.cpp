@@ -5,13 +5,13 @@
 #include <cmath>
 #include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/sample_tree.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// No coefficient or distance of a function of samples that are about 1 large comes near this.
@@ -200,4 +200,4 @@ void PartitionData::validate() const {
         "the slopes of its functions make no sense");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "sansmesh/core/shared_array.h"
-#include "sansmesh/core/vec.h"
 #include "sansmesh/partition/local_function.h"
 #include "sansmesh/partition/paper_options.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct PartitionOptions {
   std::optional<int>
@@ -113,4 +113,4 @@ struct PartitionData {
   void validate() const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,10 +7,10 @@
 #include <atomic>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/assemble.h"
 #include "sansmesh/partition/flatness.h"
 #include "sansmesh/partition/leaf_fit.h"
@@ -18,7 +18,7 @@
 #include "sansmesh/partition/partition_of_unity.h"
 #include "sansmesh/partition/replace_supports.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Samples this far from a block (in its edges) take part in the fits below it: balls, those of twice the size that
@@ -394,4 +394,4 @@ EditResult remove_supports(const PartitionData& data, const Selection& chosen) {
   return replace_supports(data, chosen, {});
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

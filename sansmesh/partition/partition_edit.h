@@ -7,12 +7,12 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
+#include "sansmesh/box.h"
 #include "sansmesh/partition/edit_result.h"
 #include "sansmesh/partition/partition_data.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What a support must be like to be chosen: all conditions that are given must hold.
 struct SupportQuery {
@@ -61,4 +61,4 @@ EditResult set_automatic_constant(const PartitionData& data, const Selection& ch
 /// Takes the supports away: neighbours and the far field decide what is there.
 EditResult remove_supports(const PartitionData& data, const Selection& chosen);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

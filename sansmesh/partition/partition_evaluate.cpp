@@ -19,7 +19,7 @@
 
 #ifndef SANSMESH_PARTITION_EVALUATE_ONCE
 #define SANSMESH_PARTITION_EVALUATE_ONCE
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 /// Up to kTile points and the sums over supports at each: structure of arrays, aligned for the widest vectors.
 struct EvaluationTile {
   static constexpr std::size_t kTile = 64;
@@ -28,11 +28,11 @@ struct EvaluationTile {
   alignas(64) float gx[kTile], gy[kTile], gz[kTile];  // Σ (θ ∇f + f ∇θ)
   alignas(64) float wx[kTile], wy[kTile], wz[kTile];  // Σ ∇θ
 };
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace pn = portable::HWY_NAMESPACE;
@@ -235,11 +235,11 @@ void SumSupports(const LocalFunction* functions, const std::uint8_t* manner, con
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 HWY_EXPORT(SumSupports);
 
 namespace {
@@ -399,5 +399,5 @@ void evaluate_partition(const PartitionState& s, std::span<const Vec3> x, std::s
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 #endif

@@ -3,13 +3,13 @@
 
 #include <span>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/partition/partition_state.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// As ScalarField::evaluate, in world coordinates.
 void evaluate_partition(const PartitionState& partition, std::span<const Vec3> x, std::span<double> values,
                         std::span<Vec3> gradients);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/assemble.h"
 #include "sansmesh/partition/flatness.h"
 #include "sansmesh/partition/leaf_fit.h"
 #include "sansmesh/partition/openness.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// The functions of the chosen blocks, as the arrays of `data`.
@@ -140,4 +140,4 @@ PartitionOfUnity fit_partition_of_unity(PointSet points, const PartitionOptions&
   return PartitionOfUnity(std::move(data));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

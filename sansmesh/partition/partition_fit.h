@@ -1,12 +1,12 @@
 // From samples to a partition of unity.
 #pragma once
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/partition/partition_data.h"
 #include "sansmesh/partition/partition_of_unity.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Fits to points with oriented normals. Throws DataError for fewer than 4 points or a cloud without extent,
 /// ArgumentError for options out of range. `sorted`, if given, receives the points along the Morton curve of the root
@@ -15,4 +15,4 @@ namespace sansmesh {
 PartitionOfUnity fit_partition_of_unity(PointSet points, const PartitionOptions& options, Progress& progress,
                                         PointSet* sorted = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -11,7 +11,7 @@
 #include "sansmesh/partition/partition_state.h"
 #include "sansmesh/partition/support_patches.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 namespace {
 
@@ -125,4 +125,4 @@ BlockTree PartitionOfUnity::mesh_blocks(double mesh_error, int deepest) const {
   return tree;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/partition/partition_data.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Gradients of functions that fit their samples are shorter than this, but for one in a thousand: longer ones come
 /// from sheets that are too close to each other, rims, and samples that contradict each other. No bound: that is
@@ -49,4 +49,4 @@ class PartitionOfUnity : public ScalarField {
   std::shared_ptr<const PartitionState> state_;  // built once; copies share it
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

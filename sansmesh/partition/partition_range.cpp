@@ -11,7 +11,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
@@ -196,4 +196,4 @@ void partition_ranges(const PartitionState& s, std::span<const Vec3> x, double r
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

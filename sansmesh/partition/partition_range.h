@@ -3,14 +3,14 @@
 
 #include <span>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/partition/partition_state.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// As PartitionOfUnity::ranges, in world coordinates.
 void partition_ranges(const PartitionState& partition, std::span<const Vec3> x, double radius,
                       std::span<ValueRange> found);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

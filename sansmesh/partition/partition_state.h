@@ -8,7 +8,7 @@
 #include "sansmesh/partition/partition_data.h"
 #include "sansmesh/search/ball_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How a function is evaluated: divided by the length of its gradient; bounded closely.
 constexpr std::uint8_t kNormalised = 1, kClose = 2;
@@ -38,4 +38,4 @@ struct PartitionState {
   FarField far;                      ///< where no support reaches
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "sansmesh/core/boxes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/assemble.h"
 #include "sansmesh/partition/changed_regions.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 Box3f ball_box(const LocalFunction& f) {
@@ -46,4 +46,4 @@ EditResult replace_supports(const PartitionData& data, const Selection& chosen, 
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

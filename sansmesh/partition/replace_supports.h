@@ -6,9 +6,9 @@
 #include "sansmesh/partition/edit_result.h"
 #include "sansmesh/partition/leaf_fit.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Data with other leaves in place of the chosen supports. Throws DataError if none are left.
 EditResult replace_supports(const PartitionData& data, const Selection& chosen, std::vector<FittedLeaf> leaves);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

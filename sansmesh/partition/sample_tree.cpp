@@ -6,12 +6,12 @@
 #include <limits>
 #include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// In halves, so that it takes twelve bytes: there are two a sample while it sorts.
@@ -191,4 +191,4 @@ std::int64_t SampleTree::find(int l, std::uint64_t code) const {
   return it != codes.end() && *it == code ? it - codes.begin() : -1;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The cells of each level that hold samples: cell c of a level holds samples begin[c] .. begin[c+1] (sorted order),
 /// and its children on the next level are child[c] .. child[c+1].
@@ -73,4 +73,4 @@ class SampleTree {
   std::vector<Level> levels_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,11 +6,11 @@
 #include <optional>
 #include <span>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/neighbour_walk.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
@@ -496,4 +496,4 @@ ScaleChoice choose_scales_below(const SampleTree& tree, const PartitionOptions& 
   return choice;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

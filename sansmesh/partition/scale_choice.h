@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/partition/block_fit.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What a trial fit of one block says about every degree; the winners are fitted again at the end.
 struct Trial {
@@ -75,4 +75,4 @@ struct BlockKey {
 ScaleChoice choose_scales_below(const SampleTree& tree, const PartitionOptions& options, const ScaleBasis& basis,
                                 std::span<const BlockKey> roots, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

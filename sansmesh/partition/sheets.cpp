@@ -12,7 +12,7 @@
 #include "sansmesh/partition/sample_tree.h"
 #include "sansmesh/search/ball_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// How far off its zero set, in edges of the smaller block, the foot of a neighbour on the same sheet may be.
@@ -148,4 +148,4 @@ Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples) {
   return sheets;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/partition/partition_data.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Connected sheets: supports whose blocks touch and whose functions agree on where the surface runs.
 struct Sheets {
@@ -26,4 +26,4 @@ constexpr double kLeastEvidence = 0.25;
 /// `samples`: along the Morton curve; empty: no evidence (0).
 Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

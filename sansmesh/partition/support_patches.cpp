@@ -2,7 +2,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Least share of a support's patch in the far field's distance, in squares of its block's edge.
@@ -21,4 +21,4 @@ std::vector<OrientedPatch> support_patches(const PartitionData& data) {
   return patches;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include "sansmesh/partition/global_sign.h"
 #include "sansmesh/partition/partition_data.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Each support's piece of surface within its own block: together they tile the surface.
 std::vector<OrientedPatch> support_patches(const PartitionData& data);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

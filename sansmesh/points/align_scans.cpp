@@ -9,15 +9,15 @@
 #include <span>
 #include <string>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Scans of fewer samples stay where they are; and the system of equations is solved as a whole.
@@ -450,4 +450,4 @@ void move_scans(PointSet& points, const std::vector<RigidMotion>& motions) {
     points.scanners[s] = Vec3f(motions[s](Vec3(points.scanners[s])));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

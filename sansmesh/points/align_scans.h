@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// x → R x + shift.
 struct RigidMotion {
@@ -65,4 +65,4 @@ void move_scans(PointSet& points, const std::vector<RigidMotion>& motions);
 /// Whether the points are of two scans or more.
 bool has_several_scans(const PointSet& points);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 
 #include "sansmesh/points/duplicates.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kQuantile = 0.001;
@@ -70,4 +70,4 @@ SampleCleaning clean_samples(PointSet& points) {
   return cleaning;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,9 +3,9 @@
 
 #include <cstddef>
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How many samples `clean_samples` took out, and why.
 struct SampleCleaning {
@@ -20,4 +20,4 @@ struct SampleCleaning {
 /// threads.
 SampleCleaning clean_samples(PointSet& points);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,15 +5,15 @@
 #include <numeric>
 #include <utility>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/error.h"
 #include "sansmesh/search/box_levels.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/search/neighbour.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kUnclaimed = ~std::uint32_t{0};
@@ -188,4 +188,4 @@ CloudComponents find_cloud_components(std::span<const Vec3f> positions, double d
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

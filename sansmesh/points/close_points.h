@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Of each point the index of the one that stands for it: itself, or the first point no farther than `distance`
 /// (length,
@@ -27,4 +27,4 @@ struct CloudComponents {
 /// Points no farther from each other than `distance` (length, >= 0) are connected; what is not finite, to nothing.
 CloudComponents find_cloud_components(std::span<const Vec3f> positions, double distance, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

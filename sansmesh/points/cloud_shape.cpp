@@ -9,7 +9,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/local_frame.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kChunk = 65536;
@@ -104,4 +104,4 @@ std::optional<FarParts> find_far_parts(const PointSet& points) {
   return FarParts{gap(cut), std::max(a.diagonal, b.diagonal)};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,9 +3,9 @@
 
 #include <optional>
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What a cloud spans.
 enum class CloudShape { empty, point, line, plane, volume };
@@ -24,4 +24,4 @@ struct FarParts {
 /// each cannot be told apart beside their distance. Nothing where a cloud is what classify_shape says.
 std::optional<FarParts> find_far_parts(const PointSet& points);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 
 #include "sansmesh/points/orient_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::string_view kFaces[] = {"auto", "ignore", "sample", "vertices"};
@@ -40,4 +40,4 @@ constexpr OptionSchema kSchema{kRows};
 
 const OptionSchema& CloudUse::schema() { return kSchema; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

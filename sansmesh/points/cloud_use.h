@@ -3,11 +3,11 @@
 
 #include <optional>
 
+#include "sansmesh/option.h"
 #include "sansmesh/points/point_classes.h"
 #include "sansmesh/points/sights.h"
-#include "sansmesh/schema/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Where the input is a mesh or a polygon soup: its vertices as samples, or samples spread over its faces; automatic:
 /// the faces where the vertices are too few or far apart to describe the surface; vertices: these, however few or flat,
@@ -35,4 +35,4 @@ struct CloudUse {
   static const OptionSchema& schema();
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Reach of a sample over the local spacing: of samples placed at random, one in ten million has all others so far to
@@ -152,4 +152,4 @@ std::vector<Coverage::Border> Coverage::borders() const {
   return borders;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

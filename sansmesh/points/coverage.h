@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/search/ball_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How one-sidedly the samples around a point lie, less what that is half a spacing beyond a straight border: negative
 /// where a surface is covered by samples, positive where it is not. With the samples p in reach r of x, each with a
@@ -63,4 +63,4 @@ class Coverage : public ScalarField {
   Box3 bounds_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -16,7 +16,7 @@
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSlots = 2048;
@@ -176,4 +176,4 @@ void denoise_normals(PointSet& points, const NormalDenoisingOptions& options, Pr
   progress.finish();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct NormalDenoisingOptions {
   /// Samples that the normals were estimated from, 6..240: creases are blurred as wide as that. Default:
@@ -32,4 +32,4 @@ struct NormalDenoisingOptions {
 /// without normals.
 void denoise_normals(PointSet& points, const NormalDenoisingOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 bool lexicographic(const Vec3f& a, const Vec3f& b) {
@@ -134,4 +134,4 @@ std::vector<std::uint8_t> find_duplicates(const PointSet& points) {
   return mask;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

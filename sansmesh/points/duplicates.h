@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Number of different finite positions (-0 equals 0).
 std::size_t count_unique(const PointSet& points);
@@ -24,4 +24,4 @@ std::vector<Vec3f> different_positions(std::span<const Vec3f> positions);
 /// 1 where the position equals that of a sample of lower index (or is not finite), 0 elsewhere.
 std::vector<std::uint8_t> find_duplicates(const PointSet& points);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

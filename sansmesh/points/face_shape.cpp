@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
@@ -14,7 +14,7 @@
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Share of the edges that may lack a second triangle or have two that turn the same way.
@@ -205,4 +205,4 @@ std::size_t face_samples_wanted(const PointSet& mesh) {
   return index_in<std::size_t>(wanted, 0, most);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,9 +4,9 @@
 
 #include <cstddef>
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class FaceSides {
   unknown,  ///< the faces bound no solid, or do not agree on its inside
@@ -45,4 +45,4 @@ bool vertices_are_dense(const PointSet& mesh);
 /// more than `kFaceSamples`, or those two.
 std::size_t face_samples_wanted(const PointSet& mesh);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

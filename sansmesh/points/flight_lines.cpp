@@ -12,7 +12,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Seconds. No turn of an aircraft is as short as the pause; along a stretch it hardly turns.
@@ -153,4 +153,4 @@ bool is_survey_from_above(const PointSet& points) {
   return find_named(points, kReturnNames) || find_named(points, kAngleNames);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

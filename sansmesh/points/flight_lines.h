@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Unit directions from the samples to the sensor that saw them, which flew above; empty if the attributes do not tell.
 /// The scan angle θ of a sample (degrees from straight down) says how far aside of the path it lies: of each stretch of
@@ -19,4 +19,4 @@ std::vector<Vec3f> directions_to_flight(const PointSet& points);
 /// Whether attributes say so: returns of pulses, or scan angles.
 bool is_survey_from_above(const PointSet& points);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

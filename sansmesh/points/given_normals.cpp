@@ -9,7 +9,7 @@
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/spacing.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kMostLookingAway = 0.1;  ///< of the normals, where a sensor saw all of the samples
@@ -87,4 +87,4 @@ GivenNormals judge_normals(const PointSet& points, double noise) {
   return given;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

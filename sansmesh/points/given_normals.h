@@ -4,11 +4,11 @@
 #include <optional>
 #include <string>
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/sights.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct GivenNormals {
   bool oriented = false;     ///< surely, be it inward
@@ -24,4 +24,4 @@ struct GivenNormals {
 GivenNormals judge_normals(const PointSet& points, double noise);
 GivenNormals judge_normals(const OrientationReport& report);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kColumnSamples = 16;
@@ -189,4 +189,4 @@ bool is_height_field(const HeightFieldShape& shape, bool survey) {
   return shape.one_sheet >= (survey ? kOneSheetOfSurvey : shape.relief <= kFlat ? kOneSheetIfFlat : kOneSheet);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

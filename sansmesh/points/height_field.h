@@ -1,9 +1,9 @@
 // Is a cloud a terrain: one height for each place on the ground?
 #pragma once
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How much of a cloud looks like heights over x and y.
 struct HeightFieldShape {
@@ -22,4 +22,4 @@ HeightFieldShape measure_height_field(const PointSet& points, double noise);
 /// Of a `survey` from the air, known by other signs, a tenth is enough: under trees there is little ground.
 bool is_height_field(const HeightFieldShape& shape, bool survey);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 PrincipalAxes principal_axes(const Symmetric3& m) {
   double a[3][3] = {{m.xx, m.xy, m.xz}, {m.xy, m.yy, m.yz}, {m.xz, m.yz, m.zz}};
@@ -75,4 +75,4 @@ Moments moments(std::span<const Vec3f> offsets) {
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

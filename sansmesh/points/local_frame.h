@@ -3,9 +3,9 @@
 
 #include <span>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Symmetric 3×3 matrix.
 template <class T>
@@ -37,4 +37,4 @@ struct Moments {
 };
 Moments moments(std::span<const Vec3f> offsets);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

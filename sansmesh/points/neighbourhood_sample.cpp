@@ -6,14 +6,14 @@
 #include <limits>
 #include <utility>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSearchChunk = 65536;
@@ -238,4 +238,4 @@ std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, 
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

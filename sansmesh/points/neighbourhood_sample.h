@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The samples around one place: every different position within some radius, in ascending order of distance.
 struct Neighbourhood {
@@ -24,4 +24,4 @@ struct Neighbourhood {
 /// sample.
 std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, std::size_t places, std::size_t size);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

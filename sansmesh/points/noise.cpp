@@ -18,7 +18,7 @@
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/neighbourhood_sample.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kPlaces = 320;
@@ -189,4 +189,4 @@ std::string noise_words(const NoiseEstimate& noise, double spacing) {
   return fmt::format("less than {:.1g}", std::max(noise.most, 1e-6 * spacing));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,9 +3,9 @@
 
 #include <string>
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What can be known of the noise of a cloud (lengths).
 struct NoiseEstimate {
@@ -33,4 +33,4 @@ NoiseEstimate measure_noise(const PointSet& points);
 /// of the samples (length).
 std::string noise_words(const NoiseEstimate& noise, double spacing);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

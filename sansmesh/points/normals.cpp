@@ -15,7 +15,7 @@
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kCleanNeighbours = 10;
@@ -175,4 +175,4 @@ void estimate_normals(PointSet& points, const KdTree& tree, const NormalOptions&
   progress.finish();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

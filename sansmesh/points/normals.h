@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <optional>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 class KdTree;
 
@@ -42,4 +42,4 @@ void estimate_normals(PointSet& points, const NormalOptions& options, Progress& 
 /// The same with a tree of the positions at hand.
 void estimate_normals(PointSet& points, const KdTree& tree, const NormalOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,11 +5,11 @@
 
 #include "sansmesh/points/sights.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// In the order of the enumerators.
 inline constexpr std::string_view kOrientByWords[] = {"auto", "scanner", "rows", "flight", "up", "propagation"};
 
 constexpr std::string_view orient_by_word(OrientBy by) { return kOrientByWords[static_cast<std::size_t>(by)]; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

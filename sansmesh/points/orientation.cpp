@@ -20,7 +20,7 @@
 #include "sansmesh/points/winding_doubt.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::RelationGraph, detail::join_stretches, detail::join_sure, detail::join_by_votes;
@@ -433,4 +433,4 @@ OrientationReport measure_orientation(const PointSet& points, std::optional<doub
   return judge_some(points, known_noise, true);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,11 +4,11 @@
 #include <optional>
 #include <span>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/sights.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 class KdTree;
 
@@ -79,4 +79,4 @@ OrientBy orient_normals(PointSet& points, const KdTree& tree, const OrientationO
 /// more than 15° from across). `sights`: as find_sights. 0 where none does.
 double share_looking_away(const PointSet& points, std::span<const Vec3f> sights);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -14,7 +14,7 @@
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kNeighbours = 10;
@@ -212,4 +212,4 @@ std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOpt
   return mask;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

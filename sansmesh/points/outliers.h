@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct OutlierOptions {
   /// A sample is isolated if it is this many times farther from its neighbours than they are from theirs, or than is
@@ -28,4 +28,4 @@ struct OutlierOptions {
 /// `min_cluster` is kept whole. Non-finite positions are outliers.
 std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <variant>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Of the numbers below 64 (LAS 1.4, "ASPRS standard point classes"); 8 and 12 as in the versions before.
@@ -177,4 +177,4 @@ void keep_classes(PointSet& points, const PointClasses& classes) {
   if (lost > 0) remove_samples(points, gone);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

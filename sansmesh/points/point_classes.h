@@ -8,9 +8,9 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Classes 0 to 255, numbered as in the LAS specification of the ASPRS: below 64 as there, above as the user defines
 /// them.
@@ -38,4 +38,4 @@ std::array<std::size_t, 256> count_point_classes(const Attribute& classification
 /// and where none is left, with the classes that there are.
 void keep_classes(PointSet& points, const PointClasses& classes);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kFeatureBins = 11;
@@ -65,4 +65,4 @@ std::vector<PointFeature> point_features(std::span<const Vec3> points, std::span
   return all;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

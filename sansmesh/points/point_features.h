@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Three histograms of 11 bins each, of sum 100 (0 where a sample has no neighbours).
 using PointFeature = std::array<float, 33>;
@@ -18,4 +18,4 @@ using PointFeature = std::array<float, 33>;
 /// normals unit. Parallel, the same for any number of threads.
 std::vector<PointFeature> point_features(std::span<const Vec3> points, std::span<const Vec3> normals, double radius);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/core/index_in.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Cells of a grid around a point are looked up by the hash of their coordinates, each packed in 21 bits.
@@ -115,4 +115,4 @@ std::vector<std::uint32_t> poisson_discs(std::span<const Vec3> points, double ra
   return kept;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/align_scans.h"
 #include "sansmesh/points/clean_samples.h"
 #include "sansmesh/points/cloud_shape.h"
@@ -20,7 +20,7 @@
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A local fit needs this many samples.
@@ -281,4 +281,4 @@ void sharpen_estimated_normals(PreparedCloud& cloud, Progress& progress) {
   denoise_normals(cloud.points, {.spacing = cloud.spacing, .noise = cloud.noise}, progress);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,14 +5,14 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/placement.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/placement.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/cloud_use.h"
 #include "sansmesh/points/face_shape.h"
 #include "sansmesh/points/sights.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct PreparedCloud {
   PointSet points;  ///< cleaned, with oriented normals; origin 0, in coordinates in which they are about 1 large
@@ -42,4 +42,4 @@ PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& prog
 /// that came with the samples may be exact, are only worse for it, and stay.
 void sharpen_estimated_normals(PreparedCloud& cloud, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

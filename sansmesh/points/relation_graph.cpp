@@ -8,7 +8,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/median.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 /// Heights of so many noises are not seen: between sheets that are near each other fewer must do, since a single
@@ -172,4 +172,4 @@ void join_by_votes(const RelationGraph& graph, SignForest& forest) {
   contract(forest, votes);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

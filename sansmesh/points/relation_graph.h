@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/core/vec.h"
 #include "sansmesh/points/sign_graph.h"
 #include "sansmesh/search/kd_tree.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// The neighbour graph in tree order, and what its edges say.
 class RelationGraph {
@@ -83,4 +83,4 @@ void join_sure(const RelationGraph& graph, SignForest& forest, int sure);
 /// Joins what is left apart in a flat forest by the votes of all edges between (`contract`).
 void join_by_votes(const RelationGraph& graph, SignForest& forest);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

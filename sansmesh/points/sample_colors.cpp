@@ -2,10 +2,10 @@
 
 #include <array>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 Vec3 mean_color(const KdTree& samples, std::span<const std::array<std::uint8_t, 3>> colors, const Vec3f& x) {
   std::array<Neighbour, 4> found;
@@ -30,4 +30,4 @@ void SampleColors::evaluate(std::span<const Vec3> x, std::span<Vec3f> colors) co
                [&](std::size_t i) { colors[i] = Vec3f(mean_color(tree_, colors_, Vec3f(x[i])) / 255.0); });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,11 +1,11 @@
 // The samples' own colours between them.
 #pragma once
 
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/field/color_field.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The mean of the four nearest samples' colours, weighted by inverse squared distance: components 0..255. The tree is
 /// of the samples that `colors` belong to, and not empty.
@@ -23,4 +23,4 @@ class SampleColors : public ColorField {
   std::vector<std::array<std::uint8_t, 3>> colors_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

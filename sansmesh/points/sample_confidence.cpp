@@ -5,11 +5,11 @@
 #include <cmath>
 
 #include "sansmesh/core/diverging_color.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/spacing.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Noises within which samples are near, and spacings more until they are out of reach.
@@ -51,4 +51,4 @@ void ConfidenceColors::evaluate(std::span<const Vec3> x, std::span<Vec3f> colors
   for (std::size_t i = 0; i < at.size(); ++i) colors[i] = confidence_color(confidence[i]);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,11 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/field/color_field.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The confidence of a point on a surface, from its distance d to the nearest sample p:
 ///
@@ -49,4 +49,4 @@ class ConfidenceColors : public ColorField {
   SampleConfidence confidence_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Uniform in [0, 1) from a counter (the finaliser of SplitMix64): any sample can be made without those before it.
@@ -113,4 +113,4 @@ std::vector<Vec3f> normals_from_faces(const PointSet& mesh) {
 
 void set_normals_from_faces(PointSet& mesh) { mesh.normals = normals_from_faces(mesh); }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

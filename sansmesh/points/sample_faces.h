@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A place on a triangle (a, b, c): (1 − u − v) a + u b + v c.
 struct FaceSample {
@@ -39,4 +39,4 @@ std::vector<Vec3f> normals_from_faces(const PointSet& mesh);
 /// Replaces the normals by these.
 void set_normals_from_faces(PointSet& mesh);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

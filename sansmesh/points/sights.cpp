@@ -6,7 +6,7 @@
 #include "sansmesh/points/flight_lines.h"
 #include "sansmesh/points/height_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::vector<Vec3f> directions_to_scanners(const PointSet& points) {
@@ -70,4 +70,4 @@ OrientBy first_known_orientation(const PointSet& points, double noise) {
   return OrientBy::propagation;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,9 +5,9 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// From what the signs of normals are taken, in the order in which it is trusted.
 enum class OrientBy {
@@ -36,4 +36,4 @@ std::vector<Vec3f> find_own_sights(const PointSet& points, OrientBy by, double n
 /// The first in the order of trust of which something is known.
 OrientBy first_known_orientation(const PointSet& points, double noise);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 struct Candidate {
@@ -79,4 +79,4 @@ void contract(SignForest& forest, const std::vector<SignVote>& votes) {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Union-find whose members know their sign relative to their root.
 class SignForest {
@@ -63,4 +63,4 @@ struct SignVote {
 /// newly joined ones included (greedy additive edge contraction, Keuper et al. 2015). Votes refer to members.
 void contract(SignForest& forest, const std::vector<SignVote>& votes);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

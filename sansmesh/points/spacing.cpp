@@ -9,7 +9,7 @@
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/neighbourhood_sample.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSpacingPlaces = 500;
@@ -56,4 +56,4 @@ double local_spacing(double squared_distance, double mean) {
                     kLeastLocal * mean, kMostLocal * mean);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

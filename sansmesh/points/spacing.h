@@ -3,9 +3,9 @@
 
 #include <cstddef>
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Median over the cloud of the local sample spacing: the edge of the square that one sample stands for on the surface,
 /// √(π r²/k) for the radius r of k neighbours. Unlike the distance to the nearest sample it does not shrink where scans
@@ -22,4 +22,4 @@ inline constexpr double kLeastLocal = 0.5, kMostLocal = 3;
 /// From the squared distance to the last of those neighbours, and the mean spacing of all samples (length).
 double local_spacing(double squared_distance, double mean);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

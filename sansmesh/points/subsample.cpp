@@ -2,10 +2,10 @@
 
 #include <numeric>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/scramble.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 std::vector<std::uint32_t> scattered_choice(std::size_t n, std::size_t count) {
   std::vector<std::uint32_t> chosen;
@@ -29,4 +29,4 @@ std::vector<std::uint32_t> every_nth(std::size_t n, std::size_t step) {
   return chosen;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -11,7 +11,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 /// Places at which winding numbers are asked for, and samples that they are summed over, of all parts together.
@@ -96,4 +96,4 @@ double winding_doubt(const RelationGraph& graph, std::span<const std::uint32_t> 
   return doubtful / static_cast<double>(n);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

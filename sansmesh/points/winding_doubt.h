@@ -6,7 +6,7 @@
 
 #include "sansmesh/points/relation_graph.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Share of the samples at which the winding number of their own part, with the signs that the normals have, is not the
 /// half that it is all over a closed surface, but less than half or more than one and a half times that, on the mean
@@ -17,4 +17,4 @@ namespace sansmesh::detail {
 double winding_doubt(const RelationGraph& graph, std::span<const std::uint32_t> part,
                      std::span<const std::uint8_t> open, double noise);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

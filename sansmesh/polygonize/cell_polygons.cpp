@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint8_t kNoEdge = 255;
@@ -139,4 +139,4 @@ void best_triangles(std::span<const Vec3> corner, std::vector<std::array<std::ui
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

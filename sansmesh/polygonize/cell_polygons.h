@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Closed polygons through points between corners of a cell: corner x + 2y + 4z, each point between two corners of
 /// different signs.
@@ -28,4 +28,4 @@ void trace_cell(unsigned negative, std::size_t outer, unsigned split, CellPolygo
 /// Triangles of a polygon in space, the worst of them as good as can be. Counted from its first corner.
 void best_triangles(std::span<const Vec3> corner, std::vector<std::array<std::uint32_t, 3>>& triangles);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Faces of blocks should not lie in faces of solids, which are often at round numbers: the cube is shifted by this
@@ -150,4 +150,4 @@ std::optional<BlockTree> crease_blocks(const PiecewiseField& field, const Box3& 
   return tree;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <optional>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
+#include "sansmesh/box.h"
 #include "sansmesh/field/piecewise_field.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct CreaseBlockOptions {
   /// Edge of the blocks along creases, and wherever more than one piece is near (length, > 0).
@@ -37,4 +37,4 @@ std::optional<BlockTree> crease_blocks(const PiecewiseField& field, const Box3& 
 
 constexpr int kCreaseBaseLevel = 5;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -11,7 +11,7 @@
 #include "sansmesh/polygonize/crease_zone.h"
 #include "sansmesh/polygonize/piece_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kNone = CreaseZone::kNone;
@@ -165,4 +165,4 @@ TriangleMesh polygonize_with_creases(const PiecewiseField& field, BlockTree bloc
   return mesh;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

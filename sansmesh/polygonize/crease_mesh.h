@@ -1,13 +1,13 @@
 // Field with creases → mesh with the creases as edges.
 #pragma once
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/piecewise_field.h"
 #include "sansmesh/polygonize/polygonize.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// polygonize() for a field of smooth pieces: the same closed 2-manifold, but with vertices on the curves where two
 /// pieces meet (on both of them to the precision of the mesh) and in the points where three or more do, and with edges
@@ -22,4 +22,4 @@ namespace sansmesh {
 TriangleMesh polygonize_with_creases(const PiecewiseField& field, BlockTree blocks, const Vec3& origin,
                                      const PolygonizeOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 
 #include "sansmesh/polygonize/editable_surface.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kThinLeastShape = 0.3;
@@ -163,4 +163,4 @@ void thin_flat_parts(PieceMesh& mesh, double error) {
   drop_unused_vertices(mesh);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 // Shares of the mean edge at a vertex.
@@ -243,4 +243,4 @@ void CreaseZone::snap() {
   settle(moved, true);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/polygonize/editable_surface.h"
 #include "sansmesh/polygonize/piece_meeting.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// On which pieces a vertex lies, and their unit normals there.
 struct PieceLabel {
@@ -82,4 +82,4 @@ struct CreaseZone {
   std::vector<std::uint8_t> look_;  ///< triangles that changed since mend() found nothing to do for them
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

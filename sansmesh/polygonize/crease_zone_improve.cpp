@@ -5,7 +5,7 @@
 
 #include "sansmesh/polygonize/crease_zone.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kGood = 0.5;         // 4√3 A / Σ l²: triangles above are left alone
@@ -279,4 +279,4 @@ void CreaseZone::improve() {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

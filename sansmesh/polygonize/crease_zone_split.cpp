@@ -6,7 +6,7 @@
 
 #include "sansmesh/polygonize/crease_zone.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 // Shares of the mean edge at a vertex.
@@ -190,4 +190,4 @@ std::size_t CreaseZone::split_triangles() {
   return added.size();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

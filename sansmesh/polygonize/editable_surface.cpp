@@ -3,7 +3,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/vertex_corners.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 EditableSurface::EditableSurface(std::vector<Triangle> triangles, std::size_t vertices)
     : triangle_(std::move(triangles)), twin_(3 * triangle_.size(), kNone), out_(vertices, kNone), border_(vertices, 0) {
@@ -130,4 +130,4 @@ void EditableSurface::collapse(std::uint32_t h) {
   triangle_[g / 3] = {b, b, b};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include <limits>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// An oriented manifold, closed or with a border, as flat arrays: half-edge 3t + k runs from corner k of triangle t to
 /// the next. Every operation keeps it an oriented manifold of the same topology; where that is impossible, can_... says
@@ -97,4 +97,4 @@ class EditableSurface {
   std::vector<std::uint8_t> border_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

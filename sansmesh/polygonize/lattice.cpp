@@ -4,9 +4,9 @@
 #include <bit>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kUnset = ~std::uint32_t{0};
@@ -192,4 +192,4 @@ const BlockPattern& PatternTable::pattern(const BlockRefinement& r) {
   return *pattern;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -13,7 +13,7 @@
 
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Integer coordinates of a lattice vertex: multiples of half the edge of a block on the tree's deepest level.
 using LatticePoint = std::array<std::uint32_t, 3>;
@@ -66,4 +66,4 @@ class PatternTable {
   std::vector<std::unique_ptr<BlockPattern>> patterns_;  ///< by faces and edges: 18 bits
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

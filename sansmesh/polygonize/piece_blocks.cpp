@@ -7,7 +7,7 @@
 #include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kLeastLevel = 3;
@@ -342,4 +342,4 @@ PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const Pi
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

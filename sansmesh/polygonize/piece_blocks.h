@@ -7,12 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
+#include "sansmesh/box.h"
 #include "sansmesh/field/piece_expression.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 using PieceNode = PieceExpression::Node;
 
@@ -117,4 +117,4 @@ struct PieceBlocks {
 PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const PieceBlockOptions& options, double shift,
                          Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

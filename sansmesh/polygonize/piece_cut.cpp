@@ -10,12 +10,12 @@
 #include <span>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/polygonize/cell_polygons.h"
 #include "sansmesh/polygonize/lattice.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Wide = __int128;
@@ -948,4 +948,4 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
   return cut;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

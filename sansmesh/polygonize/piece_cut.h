@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/polygonize/piece_blocks.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Triangles on pieces, and on which pieces their vertices lie.
 struct CutPieces {
@@ -42,4 +42,4 @@ struct CutPieces {
 /// are. Throws DataError where values change faster than distances do, or are not finite.
 CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

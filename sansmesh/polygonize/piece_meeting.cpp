@@ -6,7 +6,7 @@
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostSteps = 12;
@@ -173,4 +173,4 @@ void find_meetings(const PiecewiseField& field, std::span<Meeting> all) {
   check_surface(field, all);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

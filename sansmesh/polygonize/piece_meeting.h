@@ -8,7 +8,7 @@
 
 #include "sansmesh/field/piecewise_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A few pieces, in ascending order.
 struct PieceSet {
@@ -65,4 +65,4 @@ constexpr double kFlatCorner = 0.02;
 /// kFlatCorner), where it would be out of reach, and where the field itself does not vanish.
 void find_meetings(const PiecewiseField& field, std::span<Meeting> all);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/polygonize/editable_surface.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// The least shape of triangles, and where they lie in planes: regular grids of vertices offer nothing better on the
@@ -264,4 +264,4 @@ std::vector<std::uint32_t> merge_pieces(CutPieces& mesh, std::vector<Vec3>& norm
   return becomes;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

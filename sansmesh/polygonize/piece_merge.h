@@ -6,7 +6,7 @@
 
 #include "sansmesh/polygonize/piece_cut.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct PieceMergeOptions {
   /// Vertices are merged into neighbours as near as this share of the edge of the blocks there...
@@ -26,4 +26,4 @@ struct PieceMergeOptions {
 /// Drops the vertices that are not used any more, and keeps the topology. Returns what each vertex has become.
 std::vector<std::uint32_t> merge_pieces(CutPieces& mesh, std::vector<Vec3>& normal, const PieceMergeOptions& options);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

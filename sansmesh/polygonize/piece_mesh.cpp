@@ -8,7 +8,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/vertex_corners.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kReach = 0.5;      // how far a vertex may go back to its pieces, as a share of its shortest edge
@@ -183,4 +183,4 @@ std::vector<Vec3f> piece_normals(const PiecewiseField& field, const PieceMesh& m
   return normals;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/polygonize/piece_meeting.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct PieceMesh {
   static constexpr std::uint32_t kNone = ~std::uint32_t{0};
@@ -33,4 +33,4 @@ PieceMesh recall_pieces(const PiecewiseField& field, std::vector<Vec3> x, std::v
 /// Vertex normals: the gradients of the pieces around, weighted by the angles of their triangles.
 std::vector<Vec3f> piece_normals(const PiecewiseField& field, const PieceMesh& mesh);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/self_intersections.h"
 #include "sansmesh/mesh/simplify.h"
@@ -21,7 +21,7 @@
 #include "sansmesh/polygonize/piece_merge.h"
 #include "sansmesh/polygonize/piece_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kNoPiece = CutPieces::kNone;
@@ -554,4 +554,4 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <limits>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/piece_expression.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct PieceSurfaceOptions {
   /// Mean distance between curved parts and their triangles (length, > 0).
@@ -41,4 +41,4 @@ struct PieceSurfaceReport {
 TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, const Vec3& origin,
                                const PieceSurfaceOptions& options, Progress& progress, PieceSurfaceReport& report);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,16 +10,16 @@
 #include <utility>
 
 #include "sansmesh/core/boxes.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/clip_mesh.h"
 #include "sansmesh/mesh/simplify.h"
 #include "sansmesh/polygonize/lattice.h"
 #include "sansmesh/polygonize/surface_chain.h"
 #include "sansmesh/polygonize/vertex_placement.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Layers of blocks around a region within which it shows that the mesh ends there.
@@ -635,4 +635,4 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   return mesh;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

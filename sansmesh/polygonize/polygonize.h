@@ -2,13 +2,13 @@
 // points clustered at lattice vertices so that triangles are few and well shaped.
 #pragma once
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/polygonize/polygonize_options.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The zero set of `field` inside the tree's cube, as a 2-manifold, closed unless there is a domain: where it leaves
 /// the cube, it is closed just inside the cube's faces. Vertex normals are the field's normalised gradients.
@@ -16,4 +16,4 @@ namespace sansmesh {
 TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& origin,
                         const PolygonizeOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/box.h"
+#include "sansmesh/scalar_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct PolygonizeOptions {
   /// Merge the crossing points nearest to the same lattice vertex (after Treece, Prager & Gee 1999, "Regularised
@@ -48,4 +48,4 @@ struct PolygonizeOptions {
   const ScalarField* domain = nullptr;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

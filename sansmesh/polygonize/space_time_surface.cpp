@@ -8,13 +8,13 @@
 #include <unordered_map>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/triangulation/block_tree_n.h"
 #include "sansmesh/triangulation/block_tree_view.h"
 #include "sansmesh/triangulation/simplex_cut.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMostSpaceTimeBlocks = 16'000'000;
@@ -536,4 +536,4 @@ SpaceTimeMesh SpaceTimeSurface::mesh() const {
   return mesh;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

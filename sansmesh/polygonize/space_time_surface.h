@@ -9,11 +9,11 @@
 #include <memory>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/time_field.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SpaceTimeOptions {
   double cell = 0;  ///< edge of the smallest blocks (length); required
@@ -65,4 +65,4 @@ class SpaceTimeSurface {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

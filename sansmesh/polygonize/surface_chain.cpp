@@ -4,11 +4,11 @@
 #include <atomic>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/vertex_corners.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kNoEntry = ~std::uint32_t{0};
@@ -267,4 +267,4 @@ SurfaceChain make_surface_chain(const ChainSource& source, ChainSource::Flags& m
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include <functional>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Names a vertex of the marched surface: the crossing point on lattice edge (a inside, b outside), or, where a == b,
 /// all crossing points merged at lattice vertex a.
@@ -39,4 +39,4 @@ struct ChainSource {
 /// march repeated, around what was undone. `merged` is updated; empty means that nothing merges.
 SurfaceChain make_surface_chain(const ChainSource& source, ChainSource::Flags& merged);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

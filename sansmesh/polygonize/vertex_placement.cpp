@@ -7,7 +7,7 @@
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kCreaseCosine = 0.866f;  // normals that differ by more than 30° across an edge
@@ -145,4 +145,4 @@ void place_again(const ScalarField& field, const PolygonizeOptions& options, Tri
   if (options.balance) balance_gaps(field, mesh.triangles, rings, mesh.normals, x);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

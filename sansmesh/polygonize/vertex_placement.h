@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/polygonize/polygonize_options.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Triangles around each vertex.
 struct Rings {
@@ -44,4 +44,4 @@ void smooth_tangentially(const std::vector<Triangle>& triangles, const Rings& ri
 /// where the quadrics put them.
 void place_again(const ScalarField& field, const PolygonizeOptions& options, TriangleMesh& mesh, std::vector<Vec3>& x);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

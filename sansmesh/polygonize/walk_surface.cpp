@@ -8,12 +8,12 @@
 #include <unordered_map>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/triangulation/block_tree_view.h"
 #include "sansmesh/triangulation/j1a.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Tuple = Simplex<3>;
@@ -260,4 +260,4 @@ TriangleMesh walk_surface(const ScalarField& field, BlockTree blocks, const Vec3
   return mesh;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

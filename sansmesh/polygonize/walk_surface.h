@@ -6,12 +6,12 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct WalkOptions {
   /// α, 0 ≤ α < 1: before the triangles are made, a vertex v of a crossing simplex moves away from the surface by
@@ -37,4 +37,4 @@ struct WalkReport {
 TriangleMesh walk_surface(const ScalarField& field, BlockTree blocks, const Vec3& origin, const WalkOptions& options,
                           Progress& progress, WalkReport* report = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

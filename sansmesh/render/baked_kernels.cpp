@@ -12,7 +12,7 @@
 
 #ifndef SANSMESH_RENDER_BRICK_PLACE
 #define SANSMESH_RENDER_BRICK_PLACE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// The way down the tree doubles the place in every step, which is exact.
 inline BrickPlace place_in_bricks(const BrickTree& tree, const Vec3& x) {
@@ -43,11 +43,11 @@ inline BrickPlace place_in_bricks(const BrickTree& tree, const Vec3& x) {
           static_cast<float>(f[2] * kBrickCells)};
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -104,11 +104,11 @@ void BrickValues(const BrickTree& tree, std::span<const Vec3> x, std::span<doubl
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(BrickValues);
 
 BrickPlace brick_place(const BrickTree& tree, const Vec3& x) { return place_in_bricks(tree, x); }
@@ -117,5 +117,5 @@ void brick_values(const BrickTree& tree, std::span<const Vec3> x, std::span<doub
   HWY_DYNAMIC_DISPATCH(BrickValues)(tree, x, values, gradients);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

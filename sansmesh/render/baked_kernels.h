@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 constexpr int kBrickCells = 8, kBrickNodes = kBrickCells + 1;
 constexpr std::size_t kBrickSize = 4u * kBrickNodes * kBrickNodes * kBrickNodes;  ///< floats: a value and its gradient
@@ -31,4 +31,4 @@ BrickPlace brick_place(const BrickTree& tree, const Vec3& x);
 /// the box are moved onto it.
 void brick_values(const BrickTree& tree, std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -10,13 +10,13 @@
 
 #include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/baked_kernels.h"
 #include "sansmesh/render/value_histogram.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::kBrickCells;
@@ -602,4 +602,4 @@ void BakedVolume::ranges(std::span<const Box3> boxes, std::span<ValueRange> foun
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

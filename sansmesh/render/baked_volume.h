@@ -6,11 +6,11 @@
 #include <memory>
 #include <span>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/vec.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct BakeOptions {
   /// Bricks are split where the error is larger: a share of the range of the values, 1e-6..1.
@@ -79,4 +79,4 @@ class BakedVolume : public VolumeField {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -11,13 +11,13 @@
 #include <cstddef>
 #include <limits>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/ball_segments.h"
 
 #ifndef SANSMESH_BALL_SEGMENTS_ONCE
 #define SANSMESH_BALL_SEGMENTS_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 constexpr unsigned kPacket = 8;  // rays
 
@@ -32,11 +32,11 @@ struct PacketQuery {
   alignas(32) int ball[kPacket];
 };
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -84,12 +84,12 @@ void CrossBall(const RTCIntersectFunctionNArguments* arguments) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include <utility>
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace detail {
 HWY_EXPORT(CrossBall);
 
@@ -184,5 +184,5 @@ void BallSegments::first(std::span<const SegmentQuery> queries, std::span<BallSe
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 #endif

@@ -5,10 +5,10 @@
 #include <memory>
 #include <span>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/field/ball_union.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SegmentQuery {
   Vec3f origin, direction;  ///< direction: unit vector
@@ -46,4 +46,4 @@ class BallSegments {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

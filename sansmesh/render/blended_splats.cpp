@@ -6,16 +6,16 @@
 #include <limits>
 #include <utility>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/painter.h"
 #include "sansmesh/render/sample_pattern.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Neighbours on the same sheet that tell how far apart splats are, and points among which they are looked for.
@@ -209,4 +209,4 @@ Image SplatPicture::render(const RenderOptions& options, bool steady, Progress& 
   return paint_scene(scene, camera, s.frame, options, true, s.splats.centers, 0, progress);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,15 +7,15 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/image.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/ray_scene.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/splat_layers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How much longer than wide a splat is, and along what.
 struct SplatStretch {
@@ -65,4 +65,4 @@ class SplatPicture {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

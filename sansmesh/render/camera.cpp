@@ -7,10 +7,10 @@
 #include <numbers>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kChunk = 65536;
@@ -156,4 +156,4 @@ double zoom_on_ball(const Camera& camera, double depth, double radius, double ma
   return half / slope;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

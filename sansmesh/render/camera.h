@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The axis that points up in the picture. The front looks from +z where y is up and from −y where z is up.
 enum class UpAxis { y, z };
@@ -81,4 +81,4 @@ void zoom(Camera& camera, double factor);
 /// The zoom at which a ball around what is in the middle of the picture, at that depth, fills it up to `margin`.
 double zoom_on_ball(const Camera& camera, double depth, double radius, double margin);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

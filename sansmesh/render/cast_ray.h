@@ -3,9 +3,9 @@
 
 #include <limits>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct CastRay {
   Vec3f origin, direction;  ///< direction: unit vector
@@ -20,4 +20,4 @@ struct CastHit {
   float radius = 0;  ///< of the ball around that place: the scale of the surface there
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/render/lighting.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr Vec3 kWhite{0.95047, 1.0, 1.08883};  // D65
@@ -138,4 +138,4 @@ Vec3f mix_hsv(const Vec3f& first, const Vec3f& second, double t) {
   return Vec3f(rgb + Vec3{rest, rest, rest});
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,9 +1,9 @@
 // Colours in the coordinates in which they are mixed.
 #pragma once
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Linear light → sRGB; negative light is black, more than white stays more than 1.
 Vec3f srgb_color(const Vec3f& light);
@@ -21,4 +21,4 @@ Vec3f mix_diverging(const Vec3f& a, const Vec3f& b, double t);
 /// Along the hue, the shorter way round.
 Vec3f mix_hsv(const Vec3f& a, const Vec3f& b, double t);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

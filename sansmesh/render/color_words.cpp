@@ -4,10 +4,10 @@
 
 #include <utility>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/error.h"
+#include "sansmesh/image.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::pair<std::string_view, std::string_view> kColorWords[] = {
@@ -59,4 +59,4 @@ Vec3f ColorOption::from(const OptionValue& value) {
   return *color;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

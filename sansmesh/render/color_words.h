@@ -5,10 +5,10 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// sRGB 0..1 of "#rrggbb", three levels of 0..255 in two hexadecimal digits each; nothing for any other text.
 std::optional<Vec3f> color_of_hex(std::string_view text);
@@ -20,7 +20,7 @@ std::string color_words();
 /// "#rrggbb", the nearest that there is.
 std::string hex_of_color(const Vec3f& color);
 
-/// A colour as an option (schema/option.h).
+/// A colour as an option (sansmesh/option.h).
 struct ColorOption {
   static constexpr auto kind = OptionKind::text;
   static OptionValue get(const Vec3f& color) { return hex_of_color(color); }
@@ -28,4 +28,4 @@ struct ColorOption {
   static Vec3f from(const OptionValue& value);
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kGrain = 4096;
@@ -71,4 +71,4 @@ std::vector<Vec3f> corner_normals(const TriangleMesh& mesh) {
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

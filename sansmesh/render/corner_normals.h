@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A unit normal for each corner of each triangle (3 · triangles; zero for triangles without area): the vertex normal
 /// where the mesh has one that lies within 30° of the triangle's, else the mean, weighted by angle, of the normals of
@@ -13,4 +13,4 @@ namespace sansmesh {
 /// triangles). Corners must exist and be finite.
 std::vector<Vec3f> corner_normals(const TriangleMesh& mesh);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/field/curvature_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Pixels to each side of a line that must be lower: enough for differences above rounding, few enough for fine lines.
@@ -178,4 +178,4 @@ PixelMap<float> crest_ink(const PictureScene& scene, const Camera& camera, const
   return ink;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,12 +1,12 @@
 // Ridges, valleys and suggestive contours, from curvature at the pixels of a picture.
 #pragma once
 
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/render_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How much of each pixel these lines cover, 0..1; with `curvature` of the options:
 /// - ridges, where the larger principal curvature is positive and most along its own direction;
@@ -19,4 +19,4 @@ namespace sansmesh {
 PixelMap<float> crest_ink(const PictureScene& scene, const Camera& camera, const PictureFrame& frame,
                           const RenderOptions& options);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -11,7 +11,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kSide = 4;          // of a block, in pixels
@@ -247,4 +247,4 @@ std::optional<SurfacePoint> FlowTexture::first_point(const Vec3f& origin, const 
   return point;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,12 +5,12 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/option.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct FlowTextureOptions {
   double streak_length = 40;     ///< pixels, 1..1000 (where the surface is seen at right angles)
@@ -73,4 +73,4 @@ class FlowTexture {
   double grain_ = 0;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

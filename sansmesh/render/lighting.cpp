@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 float linear_channel(float c) { return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f); }
@@ -43,4 +43,4 @@ Vec3f background_light(const RenderOptions& options, float x, float y) {
   return mix(Vec3f{0.93f, 0.935f, 0.94f}, Vec3f{0.60f, 0.63f, 0.67f}, t);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,11 +1,11 @@
 // The light that pictures are taken in, and what stands behind the subject.
 #pragma once
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/render_options.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// sRGB 0..1 → linear light.
 Vec3f linear_color(const Vec3f& srgb);
@@ -44,4 +44,4 @@ struct Lighting {
 /// Behind the subject, at a place of the picture from 0 (left, top) to 1; beyond, as at its rim.
 Vec3f background_light(const RenderOptions& options, float x, float y);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

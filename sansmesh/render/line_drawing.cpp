@@ -10,7 +10,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/render/crest_lines.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kLineTile = 64;
@@ -164,4 +164,4 @@ void draw_ink(Image& image, const PixelMap<float>& ink, const Vec3f& color) {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,13 +1,13 @@
 // Drawings of surfaces by lines, found in the picture: where the surface ends, turns away, folds, and is bent most.
 #pragma once
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/render_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How much of each pixel lines cover, 0..1. Silhouettes and borders are where neighbouring rays, so many as there are
 /// samples, hit and miss, or hit sheets one behind the other; creases where their normals differ by a jump; ridges,
@@ -18,4 +18,4 @@ PixelMap<float> line_ink(const PictureScene& scene, const Camera& camera, const 
 /// Lines of a colour (sRGB) over a picture.
 void draw_ink(Image& image, const PixelMap<float>& ink, const Vec3f& color);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include "sansmesh/render/mesh_scene.h"
 #include "sansmesh/render/painter.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options, Progress& progress) {
   options.validate();
@@ -23,4 +23,4 @@ Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options) {
   return render_mesh(mesh, options, progress);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

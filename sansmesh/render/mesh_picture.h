@@ -1,12 +1,12 @@
 // Pictures of meshes and point clouds without a display: ray cast, softly lit, the same on every run.
 #pragma once
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/image.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The mesh seen in perspective, framed to fill the picture. Meshes without triangles are clouds: discs where there are
 /// normals, else balls. Vertices that are not finite are left out. The picture does not depend on the number of
@@ -14,4 +14,4 @@ namespace sansmesh {
 Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options, Progress& progress);
 Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

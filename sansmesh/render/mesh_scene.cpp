@@ -6,13 +6,13 @@
 #include <numeric>
 #include <utility>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/error.h"
+#include "sansmesh/image.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/render/corner_normals.h"
 #include "sansmesh/render/lighting.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kOffset = 2e-4f;          // of the diagonal: hides what floats cannot resolve
@@ -258,4 +258,4 @@ void MeshScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t>
                  rays_.blocked(rays[i].origin, rays[i].direction, rays[i].length, rays[i].near);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,13 +7,13 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/render/mesh_wires.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/ray_scene.h"
 #include "sansmesh/render/render_options.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The part of a mesh that can be drawn, moved and scaled so that its box is centred at 0 with a diagonal of 1.
 struct Subject {
@@ -56,4 +56,4 @@ class MeshScene : public PictureScene {
   Vec3f color_, wire_color_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include <numeric>
 #include <tuple>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kNoOther = std::numeric_limits<std::uint32_t>::max();
@@ -99,4 +99,4 @@ float MeshWires::cover(const RayHit& hit, const Vec3f& origin, const Vec3f& dire
   return most;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

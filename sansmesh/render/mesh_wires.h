@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/ray_scene.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A line is drawn on the triangles on both sides of its edge, half as wide on each; where the other one is not seen or
 /// there is none, all of it on this one. So what hides a triangle hides its lines.
@@ -35,4 +35,4 @@ class MeshWires {
   std::vector<std::array<std::uint32_t, 3>> others_;  // behind the edge opposite of each corner
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -12,17 +12,17 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/error.h"
+#include "sansmesh/image.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/line_drawing.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/pixel.h"
 #include "sansmesh/render/sample_pattern.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kTile = 64;
@@ -475,4 +475,4 @@ void Painter::add_ground(std::span<const Vec3f> points, float below) { work_->ad
 void Painter::set_frame(const PictureFrame& frame) { work_->set_frame(frame); }
 Image Painter::paint(Progress& progress) const { return work_->paint(progress); }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,13 +4,13 @@
 #include <memory>
 #include <span>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/render_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Share of the picture's half left free around the subject.
 constexpr double kPictureMargin = 0.13;
@@ -49,4 +49,4 @@ Image paint_scene(const PictureScene& scene, const Camera& camera, const Picture
                   const RenderOptions& options, bool smooth_light, std::span<const Vec3f> points, float below,
                   Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <string>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/color_space.h"
 #include "sansmesh/render/lighting.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kSamePaper = 5.0f / 255;  // more than dither and rounding make of the background
@@ -54,4 +54,4 @@ Image cropped(const Image& image, const PixelBox& part) {
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

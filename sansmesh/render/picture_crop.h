@@ -1,10 +1,10 @@
 // Pictures as large as what they show.
 #pragma once
 
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/render/render_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Part of a picture in pixels, from its left and its top.
 struct PixelBox {
@@ -21,4 +21,4 @@ void check_crop(const PixelBox& part, int width, int height);
 /// Throws ArgumentError unless the part, of at least one pixel, lies in the picture.
 Image cropped(const Image& image, const PixelBox& part);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

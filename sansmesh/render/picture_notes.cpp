@@ -14,7 +14,7 @@
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/stroke_text.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kLowestWithBar = 100;
@@ -421,4 +421,4 @@ void draw_title(Image& image, std::string_view title) {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,14 +6,14 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/box.h"
+#include "sansmesh/image.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/transfer_function.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Round values that cut an interval (lower < upper) into about `count` parts, ascending; 0 is exactly 0.
 std::vector<double> round_ticks(double lower, double upper, int count);
@@ -68,4 +68,4 @@ void draw_scale_bar(Image& image, const PictureFrame& frame, const Camera& camer
 /// In the upper left corner. Lines are separated by line breaks; text too wide is made smaller.
 void draw_title(Image& image, std::string_view title);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

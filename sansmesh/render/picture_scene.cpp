@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 float sheet_opacity(float opacity, float cosine) {
   constexpr float kSteepest = 0.1f;  // from which on it does not get thicker
@@ -98,4 +98,4 @@ void ClippedScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8
   for (std::size_t k = 0; k < kept.size(); ++k) answers[kept[k]] = found[k];
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,11 +9,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
 #include "sansmesh/render/camera.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The painter's coordinates: (x − center) / size.
 struct PictureFrame {
@@ -107,4 +107,4 @@ class ClippedScene final : public PictureScene {
 /// Makes a surface ready for a picture with this frame and camera (in the frame's coordinates).
 using PictureSurface = std::function<std::unique_ptr<PictureScene>(const PictureFrame& frame, const Camera& camera)>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

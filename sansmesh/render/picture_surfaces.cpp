@@ -8,16 +8,16 @@
 #include <numeric>
 #include <utility>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/mesh_scene.h"
 #include "sansmesh/render/painter.h"
 #include "sansmesh/render/splat_scene.h"
 #include "sansmesh/render/surface_scene.h"
 #include "sansmesh/render/volume_picture.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kSheetsApart = 2e-5;  // of the diagonal: nearer ones may be the same one once more
@@ -313,4 +313,4 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
   return paint_scene(scene, camera, frame, options, soft_light(options), placed, 0, progress);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

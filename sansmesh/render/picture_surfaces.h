@@ -7,17 +7,17 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
-#include "sansmesh/data/placement.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/field/color_field.h"
+#include "sansmesh/image.h"
+#include "sansmesh/placement.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/flow_texture.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/surface_caster.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A mesh, or a cloud as discs or balls. The mesh is copied. Throws DataError where there is nothing to draw.
 PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options);
@@ -70,4 +70,4 @@ class DrawnFlow {
 Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const Vec3> points, bool translucent,
                       bool steady, const RenderOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

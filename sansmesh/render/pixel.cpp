@@ -5,7 +5,7 @@
 
 #include "sansmesh/render/lighting.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Linear light → sRGB.
@@ -37,4 +37,4 @@ Rgba transparent_color(const Pixel& pixel) {
   return {srgb(color.x), srgb(color.y), srgb(color.z), alpha};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,10 +1,10 @@
 // What the rays of a pixel found, and the colour that it takes.
 #pragma once
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What the samples of a pixel saw: means over those on the surface, and over those that asked for `dark`.
 struct Pixel {
@@ -31,4 +31,4 @@ Rgba opaque_color(const Pixel& pixel, const Vec3f& background);
 /// With alpha instead; the shadow on the ground is black that lets the rest through.
 Rgba transparent_color(const Pixel& pixel);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

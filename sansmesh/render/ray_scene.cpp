@@ -7,10 +7,10 @@
 #include <limits>
 #include <string>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kPacket = 16;  // rays that go together
@@ -235,4 +235,4 @@ bool RayScene::blocked(const Vec3f& origin, const Vec3f& direction, float length
   return ray.tfar < 0;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

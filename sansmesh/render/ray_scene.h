@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct RayHit {
   float distance = 0;           ///< along the ray's direction
@@ -59,4 +59,4 @@ class RayScene {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

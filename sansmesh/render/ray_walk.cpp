@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kAims = 8;                // jumps to where the surface should be, a ball
@@ -254,4 +254,4 @@ void RayWalk::narrow(const WalkSample& sample, const WalkRules& rules) {
   close_in(sample, rules);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,10 +3,10 @@
 
 #include <limits>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/render/ball_segments.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What holds for all rays of a caster; shares of the radius of the ball around a place.
 struct WalkRules {
@@ -95,4 +95,4 @@ class RayWalk {
   Vec3f normal_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

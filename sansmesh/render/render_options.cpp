@@ -4,10 +4,10 @@
 #include <string>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/color_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kMostPixels = 16384;
@@ -137,4 +137,4 @@ void SurfaceRenderOptions::validate() const {
                         std::to_string(reflection + transmission));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

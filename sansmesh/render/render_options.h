@@ -5,14 +5,14 @@
 #include <optional>
 #include <string>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/placement.h"
+#include "sansmesh/box.h"
 #include "sansmesh/field/curvature_field.h"
+#include "sansmesh/option.h"
+#include "sansmesh/placement.h"
 #include "sansmesh/render/camera.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct RenderOptions {
   int width = 1280, height = 960;  ///< pixels, 1..16384
@@ -96,4 +96,4 @@ struct SurfaceRenderOptions : RenderOptions {
   void validate() const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

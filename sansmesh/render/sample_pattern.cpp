@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 std::vector<Spot> spread_over_disc(int count) {
   std::vector<Spot> spots;
@@ -14,4 +14,4 @@ std::vector<Spot> spread_over_disc(int count) {
   return spots;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Pixels to each side over which light that few rays make noisy is smoothed.
 constexpr int kSmooth = 2;
@@ -38,4 +38,4 @@ struct Around {
   }
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

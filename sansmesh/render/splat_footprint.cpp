@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 struct PixelStep {
@@ -43,4 +43,4 @@ std::optional<SplatFootprint> splat_footprint(const Camera& camera, int width, i
   return f;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

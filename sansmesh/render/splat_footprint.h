@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/render/camera.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// An ellipse of a picture with Gaussian weights. Pixels: x to the right, y down, whole numbers at pixels' corners.
 struct SplatFootprint {
@@ -30,4 +30,4 @@ constexpr float kSplatCut = 3;
 std::optional<SplatFootprint> splat_footprint(const Camera& camera, int width, int height, const Vec3f& center,
                                               const Vec3f& a, const Vec3f& b, float filter);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

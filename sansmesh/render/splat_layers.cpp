@@ -9,7 +9,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/render/splat_footprint.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kLayerTile = 16;
@@ -286,4 +286,4 @@ std::span<const SplatLayer> SplatLayers::at(int x, int y) const {
   return std::span(layers_).subspan(first_[pixel], first_[pixel + 1] - first_[pixel]);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
 #include "sansmesh/render/camera.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Points of a surface, each a Gaussian on its tangent plane, in coordinates of the picture. Arrays have the same
 /// length.
@@ -56,4 +56,4 @@ class SplatLayers {
   std::vector<SplatLayer> layers_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

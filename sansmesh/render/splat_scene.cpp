@@ -8,12 +8,12 @@
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/render/lighting.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kRadius = 0.75f;  // of a disc, over h
@@ -201,4 +201,4 @@ void SplatScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t
     answers[i] = rays_.blocked(rays[i].origin, rays[i].direction, rays[i].length, rays[i].near);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

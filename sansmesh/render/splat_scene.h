@@ -7,12 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/ray_scene.h"
 #include "sansmesh/render/render_options.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Discs around particles, in coordinates of the picture. Arrays are as long as `centers`; `vectors` and `colors` may
 /// be empty.
@@ -54,4 +54,4 @@ class SplatScene final : public PictureScene {
   RayScene rays_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

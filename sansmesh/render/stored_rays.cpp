@@ -8,11 +8,11 @@
 #include <limits>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/ball_segments.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 /// Projections in one ball: the sources report two to three.
@@ -234,4 +234,4 @@ StoredCounts cast_from_stored(const Projection& projection, const BallUnion& bal
   return counts;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

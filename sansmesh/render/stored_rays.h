@@ -9,7 +9,7 @@
 #include "sansmesh/field/projection.h"
 #include "sansmesh/render/cast_ray.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Where a ray meets the polynomial of a ball inside it.
 struct StoredHit {
@@ -52,4 +52,4 @@ StoredCounts cast_from_stored(const Projection& projection, const BallUnion& bal
                               const StoredPolynomials& polynomials, double tolerance, std::span<const CastRay> rays,
                               std::span<CastHit> hits);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

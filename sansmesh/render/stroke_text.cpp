@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/index_in.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A letter on a raster: points are a digit (from the left) and a letter (c: on the line, j: height of capitals, a:
@@ -249,4 +249,4 @@ double stroke_width(std::string_view text, double height) {
   return std::max(0.0, units - kBetween) * height / kCapital;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,9 +3,9 @@
 
 #include <string_view>
 
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Draws a line of a width with round ends from (x0, y0) to (x1, y1), smooth at its rim. Pixels, the middle of the
 /// first is at 0.5; beyond the picture nothing is drawn. `ink`: sRGB with alpha.
@@ -18,4 +18,4 @@ void draw_strokes(Image& image, double x, double y, double height, std::string_v
 /// Pixels that a text is wide at this size.
 double stroke_width(std::string_view text, double height);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

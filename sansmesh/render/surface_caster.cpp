@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/ball_segments.h"
 #include "sansmesh/render/ray_walk.h"
 #include "sansmesh/render/stored_rays.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kBatch = 1024;  // rays that walk together: their state stays in the cache
@@ -326,4 +326,4 @@ void SurfaceCaster::feet(std::span<Vec3f> positions, std::span<Vec3f> normals) c
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

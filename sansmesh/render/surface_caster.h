@@ -6,14 +6,14 @@
 #include <memory>
 #include <span>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/render/cast_ray.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct SurfaceCastOptions {
   /// Where a ray has found the surface: along the ray for fields, between the point and its foot for projections. A
@@ -76,4 +76,4 @@ class SurfaceCaster {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

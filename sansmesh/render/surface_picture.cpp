@@ -5,14 +5,14 @@
 #include <limits>
 #include <string>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/painter.h"
 #include "sansmesh/render/surface_scene.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kDepthTile = 32;
@@ -71,4 +71,4 @@ DepthMap surface_depth(const SurfaceCaster& caster, const Camera& camera, int wi
   return map;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

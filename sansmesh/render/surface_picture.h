@@ -3,14 +3,14 @@
 
 #include <span>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
 #include "sansmesh/field/color_field.h"
+#include "sansmesh/image.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/surface_caster.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The surface seen in perspective, framed by `points` (such as its samples; at least one finite) in the coordinates of
 /// the caster. `colors` may be null: surface_color. Does not depend on the number of threads. Throws DataError where
@@ -21,4 +21,4 @@ Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points,
 /// `camera` in the coordinates of the caster. Throws ArgumentError unless width and height are 1..16384.
 DepthMap surface_depth(const SurfaceCaster& caster, const Camera& camera, int width, int height);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

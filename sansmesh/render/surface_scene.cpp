@@ -7,7 +7,7 @@
 
 #include "sansmesh/points/spacing.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kShadowOffset = 2e-4f;     // of the diagonal: hides what floats cannot resolve
@@ -252,4 +252,4 @@ void SurfaceScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8
   for (std::size_t i = 0; i < rays.size(); ++i) answers[i] = hits[i].hit;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

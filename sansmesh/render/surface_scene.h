@@ -12,7 +12,7 @@
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/surface_caster.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 class SurfaceScene : public PictureScene {
  public:
@@ -45,4 +45,4 @@ class SurfaceScene : public PictureScene {
   std::optional<RayScene> discs_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

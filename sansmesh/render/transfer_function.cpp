@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/color_space.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// The first point beyond a value; jumps are taken at their value.
@@ -78,4 +78,4 @@ void TransferFunction::validate() const {
     throw ArgumentError(fmt::format("`reference_length` must be positive, not {:g}", *reference_length));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ColorPoint {
   double value = 0;
@@ -50,4 +50,4 @@ struct TransferFunction {
   friend bool operator==(const TransferFunction&, const TransferFunction&) = default;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,13 +7,13 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/json_text-inl.h"
 #include "sansmesh/core/read_text.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/color_space.h"
 #include "sansmesh/render/color_words.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using TransferJson = nlohmann::ordered_json;
@@ -205,4 +205,4 @@ std::string transfer_function_json(const TransferFunction& f) {
   return json.dump(2, ' ', false, TransferJson::error_handler_t::replace) + "\n";
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/render/transfer_function.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// JSON of ours (docs/formats/transfer-function.md) or ParaView's colour maps (a list of objects with RGBPoints, of
 /// which the first is taken). `file` is named in errors. Throws FileError.
@@ -15,4 +15,4 @@ TransferFunction read_transfer_function(const std::string& file);
 /// JSON of ours: what parse_transfer_function reads back the same.
 std::string transfer_function_json(const TransferFunction& function);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

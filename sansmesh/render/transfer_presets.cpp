@@ -9,10 +9,10 @@
 #include <optional>
 
 #include "sansmesh/core/diverging_color.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/color_space.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::array<std::string_view, 6> kPresets{"ct-bone", "ct-soft-tissue", "mr", "flow", "diverging", "gray"};
@@ -246,4 +246,4 @@ SuggestedTransferFunction suggest_transfer_function(const ValueHistogram& h, boo
   return found;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

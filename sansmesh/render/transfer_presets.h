@@ -8,7 +8,7 @@
 #include "sansmesh/render/transfer_function.h"
 #include "sansmesh/render/value_histogram.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Names of transfer_function_preset: "ct-bone", "ct-soft-tissue", "mr", "flow", "diverging", "gray".
 std::span<const std::string_view> transfer_function_presets();
@@ -34,4 +34,4 @@ struct SuggestedTransferFunction {
 /// Colours diverge from 0 where values have both signs.
 SuggestedTransferFunction suggest_transfer_function(const ValueHistogram& values, bool image = true);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

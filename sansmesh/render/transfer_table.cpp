@@ -7,7 +7,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/render/lighting.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Mean of −ln(1 − o) for opacities o from a to b, in closed form.
@@ -78,4 +78,4 @@ bool TransferTable::clear(double a, double b) const {
   return entries_[bin(last) + 1].depth == entries_[bin(first)].depth;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "sansmesh/core/index_in.h"
-#include "sansmesh/core/vec.h"
 #include "sansmesh/render/transfer_function.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Integrals over the value, after [engel2001]: along a piece of ray on which the value goes linearly from a to b, the
 /// mean extinction is (I(b) − I(a)) / (b − a) for I = ∫ τ dv, and the mean colour of what glows there
@@ -57,4 +57,4 @@ class TransferTable {
   Entry below_, above_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

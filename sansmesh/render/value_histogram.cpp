@@ -6,10 +6,10 @@
 #include <cstdint>
 
 #include "sansmesh/core/binary_scale.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kEnough = 50;  // one point in so many inside is enough
@@ -127,4 +127,4 @@ ValueHistogram value_histogram(const VolumeField& field, std::size_t points, std
   return h;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

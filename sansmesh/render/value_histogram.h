@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ValueHistogram {
   static constexpr std::size_t kBins = 256;
@@ -38,4 +38,4 @@ std::vector<Vec3> some_places(std::span<const Vec3> places, std::size_t most);
 ValueHistogram value_histogram(const VolumeField& field, std::size_t points = 100000,
                                std::span<const Vec3> places = {});
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <limits>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/option_text.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::string_view kContent = "content";
@@ -79,4 +79,4 @@ Image ViewOptions::part_of(const Image& image, const RenderOptions& made_with) c
   return cropped(image, crop->box ? *crop->box : picture_content(image, made_with, std::max(2, image.height / 60)));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

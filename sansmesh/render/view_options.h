@@ -6,12 +6,12 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
+#include "sansmesh/option.h"
 #include "sansmesh/render/picture_crop.h"
 #include "sansmesh/render/render_options.h"
-#include "sansmesh/schema/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class NamedView : std::uint8_t { front, back, left, right, top, bottom, iso };
 
@@ -42,4 +42,4 @@ struct ViewOptions {
   Image part_of(const Image& image, const RenderOptions& made_with) const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostCells = 48;            // along the longest side
@@ -188,4 +188,4 @@ void detail::clear_reach(const VolumeCells& cells, std::span<std::uint8_t> clear
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/box.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Rays take the length of their steps from it, and leap over cells in which nothing is to be seen.
 class VolumeCells {
@@ -71,4 +71,4 @@ namespace detail {
 void clear_reach(const VolumeCells& cells, std::span<std::uint8_t> clear);
 }  // namespace detail
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

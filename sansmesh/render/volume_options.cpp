@@ -7,11 +7,11 @@
 #include <cmath>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/color_words.h"
 #include "sansmesh/render/transfer_presets.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMostSurfaces = 16;
@@ -202,4 +202,4 @@ void VolumePictureOptions::validate() const {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

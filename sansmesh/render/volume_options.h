@@ -7,11 +7,11 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/transfer_function.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct IsoSurface {
   double value = 0;
@@ -28,7 +28,7 @@ struct VolumeCut {
 
 /// "V", "V:COLOR", "V:COLOR:OPACITY" or "V::OPACITY", with COLOR as "#rrggbb". Throws ArgumentError.
 IsoSurface iso_surface_of(const std::string& text);
-/// As options of schemas (schema/option.h): as iso_surface_of reads it, to the last digit.
+/// As options of schemas (sansmesh/option.h): as iso_surface_of reads it, to the last digit.
 std::string text_of_option(const IsoSurface& iso);
 inline void option_of_text(std::string_view text, IsoSurface& iso) { iso = iso_surface_of(std::string(text)); }
 /// What is taken away: "x>1.5", "y<0", "-1<z<2", or "NX,NY,NZ>OFFSET" for any direction. Throws ArgumentError.
@@ -68,4 +68,4 @@ struct VolumePictureOptions : RenderOptions {
   void validate() const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

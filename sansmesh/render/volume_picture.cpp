@@ -9,8 +9,8 @@
 #include <mutex>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/color_space.h"
 #include "sansmesh/render/lighting.h"
@@ -23,7 +23,7 @@
 #include "sansmesh/render/volume_stretches.h"
 #include "sansmesh/render/volume_tracer.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using LightMap = PixelMap<std::array<float, 4>>;
@@ -406,4 +406,4 @@ Image render_volume(const VolumeSubject& subject, const VolumePictureOptions& op
   return picture.render(options, progress, report);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

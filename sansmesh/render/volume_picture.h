@@ -8,17 +8,17 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/scalar_field.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/image.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/value_histogram.h"
 #include "sansmesh/render/volume_options.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What there is to see. All of it must outlive the picture.
 struct VolumeSubject {
@@ -93,4 +93,4 @@ class VolumePicture {
 Image render_volume(const VolumeSubject& subject, const VolumePictureOptions& options, Progress& progress,
                     VolumePictureReport* report = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kSame = 2e-6;  // crossings as near as this, in diagonals, may be one
@@ -135,4 +135,4 @@ void VolumeStretches::find(std::span<const VolumeRay> rays, std::span<const Volu
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

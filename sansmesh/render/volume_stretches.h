@@ -6,14 +6,14 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/volume_field.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/ray_scene.h"
 #include "sansmesh/render/volume_options.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/vec.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A part of a ray, as distances in the picture's coordinates.
 struct RayStretch {
@@ -48,4 +48,4 @@ class VolumeStretches {
   Vec3 lower_, upper_;  // box in the picture's coordinates
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/render/pixel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kReferenceShare = 0.02;  // default reference length, of the diagonal
@@ -682,4 +682,4 @@ std::size_t VolumeTracer::trace(const EyeRays& eye, std::span<TracedLight> light
   return count;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,8 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/field/scalar_field.h"
-#include "sansmesh/field/volume_field.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/picture_scene.h"
@@ -17,8 +15,10 @@
 #include "sansmesh/render/volume_cells.h"
 #include "sansmesh/render/volume_options.h"
 #include "sansmesh/render/volume_stretches.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Light that comes along a ray (linear, without what is behind), and the share of what is behind that comes through.
 struct TracedLight {
@@ -91,4 +91,4 @@ class VolumeTracer {
   std::vector<Vec3f> iso_colors_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,13 +1,13 @@
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::string shown(double v) { return fmt::format("{:.12g}", v); }
@@ -222,4 +222,4 @@ void check_used(const std::vector<std::string_view>& set, std::span<const std::s
       throw ArgumentError(fmt::format("`{}` means nothing to {}", name, method));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Entries of one kind, each with its `name`. They stay where they are for as long as the program runs. Safe to use
 /// from several threads.
@@ -77,4 +77,4 @@ struct Registered {
   explicit Registered(Entry entry) { Entry::registry().add(std::move(entry)); }
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
 #include "sansmesh/schema/registry.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// For fields that are one of some names which are known when the program runs: `option<&Options::method,
 /// ListedWords<names>>`, whose `choices` are names().
@@ -41,4 +41,4 @@ const std::vector<std::string_view>& registry_names() {
 template <class Entry>
 using RegistryWords = ListedWords<registry_names<Entry>>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/search/box_node-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
 HWY_INLINE std::uint32_t Touching(const BallTree::Leaf& leaf, const Box3f& box) {
@@ -40,15 +40,15 @@ bool AppendTouching(const std::vector<BallTree::Leaf>& leaves, const BoxLevels& 
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 #include <limits>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace detail {
 HWY_EXPORT(AppendTouching);
 
@@ -91,5 +91,5 @@ bool BallTree::touching(const Box3f& box, std::size_t most, std::vector<std::uin
   return size_ == 0 || detail::append_touching(leaves_, levels_, box, most, out);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 #endif

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
 #include "sansmesh/search/box_levels.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Built once, then asked from any thread. Balls keep the order in which they are given, which should be one where
 /// consecutive balls lie close together (such as KdTree::order): the tree is made of runs of eight.
@@ -38,4 +38,4 @@ class BallTree {
   BoxLevels levels_;  ///< over the leaves
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

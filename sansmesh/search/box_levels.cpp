@@ -2,7 +2,7 @@
 
 #include <limits>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 BoxLevels box_levels(std::vector<Box3f> boxes) {
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
@@ -21,4 +21,4 @@ BoxLevels box_levels(std::vector<Box3f> boxes) {
                                     });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 constexpr std::size_t kTreeWidth = 8;  ///< children a node
 
@@ -45,4 +45,4 @@ using BoxLevels = std::vector<std::vector<BoxNode>>;
 /// Each lane of level 0 is one of the boxes, each lane above the box of all that lies below.
 BoxLevels box_levels(std::vector<Box3f> boxes);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -15,7 +15,7 @@
 #include "sansmesh/search/box_levels.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -84,7 +84,7 @@ bool ForEachOverlapping(const BoxLevels& levels, std::size_t level, std::size_t 
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::vector<Neighbour> sorted_distances(std::span<const Vec3f> points, const Vec3f& q) {
@@ -47,4 +47,4 @@ std::size_t BruteForce::count_within(const Vec3f& q, float radius) const {
   return found.size();
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/search/kd_tree.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Same interface and same answers as KdTree. Keeps a view: `points` must outlive it.
 class BruteForce {
@@ -26,4 +26,4 @@ class BruteForce {
   std::span<const Vec3f> points_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::NeighbourKey;
@@ -175,4 +175,4 @@ void KdTree::for_each_nearest(std::size_t k, std::size_t first, std::size_t last
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,12 +8,12 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/search/box_levels.h"
 #include "sansmesh/search/kd_tree_kernels.h"
 #include "sansmesh/search/neighbour.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Built once (parallel, O(n log n)), then any number of queries from any thread. Guarantees: answers are exact, equal
 /// to those of brute force on every machine and with any number of threads, ties included; points that are not finite
@@ -67,4 +67,4 @@ class KdTree {
   std::vector<std::uint32_t> order_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -13,7 +13,7 @@
 #include "sansmesh/search/kd_tree_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 constexpr std::size_t kLeaf = kTreeWidth;
 
@@ -161,11 +161,11 @@ std::size_t CountWithin(const KdTreeView& tree, const Vec3f& q, float r2) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(NearestKeys);
 HWY_EXPORT(NearestKeysOfSlot);
 HWY_EXPORT(AppendWithin);
@@ -184,5 +184,5 @@ std::size_t count_within(const KdTreeView& tree, const Vec3f& q, float r2) {
   return HWY_DYNAMIC_DISPATCH(CountWithin)(tree, q, r2);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

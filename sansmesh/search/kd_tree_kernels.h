@@ -5,11 +5,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/search/box_levels.h"
 #include "sansmesh/search/neighbour.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// A leaf of up to eight points; unused lanes are infinitely far away.
 struct alignas(64) KdTreeLeaf {
@@ -34,4 +34,4 @@ void nearest_keys_of_slot(const KdTreeView& tree, std::uint32_t slot, std::span<
 void append_within(const KdTreeView& tree, const Vec3f& q, float r2, std::vector<Neighbour>& out);
 std::size_t count_within(const KdTreeView& tree, const Vec3f& q, float r2);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// One answer of a query. Ordered by distance, then index, so that every query has one right answer.
 struct Neighbour {
@@ -23,4 +23,4 @@ inline float squared_distance(const Vec3f& a, const Vec3f& b) {
   return x * x + y * y + z * z;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

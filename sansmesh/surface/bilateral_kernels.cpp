@@ -9,7 +9,7 @@
 #include "sansmesh/surface/near_normals-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
 constexpr float kFarthest = 60;  // exponent beyond which exp() is nothing
@@ -109,11 +109,11 @@ void RefineGroup(NormalFormula formula, std::span<const Candidate> candidates, c
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(RefineGroup);
 
 void refine_group(NormalFormula formula, std::span<const Candidate> candidates, const PointGroup& group, int iterations,
@@ -121,5 +121,5 @@ void refine_group(NormalFormula formula, std::span<const Candidate> candidates, 
   HWY_DYNAMIC_DISPATCH(RefineGroup)(formula, candidates, group, iterations, inverse_turn, normals);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

@@ -5,7 +5,7 @@
 
 #include "sansmesh/surface/sample_group.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 struct GroupNormals {
   alignas(64) float x[kGroup], y[kGroup], z[kGroup];
@@ -24,4 +24,4 @@ enum class NormalFormula {
 void refine_group(NormalFormula formula, std::span<const Candidate> candidates, const PointGroup& group, int iterations,
                   float inverse_turn, GroupNormals& normals);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

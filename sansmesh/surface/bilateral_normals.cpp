@@ -4,11 +4,11 @@
 #include <cmath>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/surface/bilateral_kernels.h"
 #include "sansmesh/surface/candidates.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kSmoothing = 1.2;
@@ -95,4 +95,4 @@ void FaceField::evaluate(std::span<const Vec3> x, std::span<double> values, std:
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

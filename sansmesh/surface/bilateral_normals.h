@@ -6,10 +6,10 @@
 #include <span>
 
 #include "sansmesh/field/normal_field.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/surface/surface_samples.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct BilateralOptions {
   /// σ: samples farther than this from the tangent plane at the point count little (length); default: a third of the
@@ -68,4 +68,4 @@ class FaceField : public ScalarField {
   const BilateralNormals& normals_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kCompactSupport = 2, kGaussianSupport = 3.4641;  // over h
@@ -113,4 +113,4 @@ void Candidates::for_each_group(std::span<const Vec3> x, const Visit& visit) con
   });
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

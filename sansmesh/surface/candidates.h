@@ -11,7 +11,7 @@
 #include "sansmesh/surface/sample_group.h"
 #include "sansmesh/surface/surface_samples.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 enum class WeightKind {
   compact,  ///< (1 − d²/(2h)²)⁴: resembles exp(−d²/h²) (the difference stays below 0.075), with a third of the
@@ -55,4 +55,4 @@ class Candidates {
   double extent_ = 0;
 };
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

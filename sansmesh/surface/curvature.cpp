@@ -12,7 +12,7 @@
 #include "sansmesh/points/noise.h"
 #include "sansmesh/surface/curvature_fit.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::CurvatureFitter, detail::kReachOverWidth, detail::same_sheet;
@@ -196,4 +196,4 @@ std::vector<PrincipalCurvatures> estimate_curvatures(const PointSet& points, con
   return CurvatureEstimator(points, options).at_samples(progress);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,13 +6,13 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/surface/curvature_options.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Curvatures anywhere near a cloud (METHODS §2.2). Around x with normal n and tangent coordinates (u, v), each
 /// neighbour d = x_i − x gives a directional curvature κ_i = −2⟨n, d⟩/‖d‖², and Euler's theorem makes χ₁ + χ₂ cos 2θ +
@@ -53,4 +53,4 @@ int choose_curvature_neighbours(const PointSet& points, double noise);
 std::vector<PrincipalCurvatures> estimate_curvatures(const PointSet& points, const CurvatureOptions& options,
                                                      Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Quantity = CurvatureColorOptions::Quantity;
@@ -90,4 +90,4 @@ void CurvatureColors::evaluate(std::span<const Vec3> x, std::span<Vec3f> colors)
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

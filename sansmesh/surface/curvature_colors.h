@@ -7,13 +7,13 @@
 #include <vector>
 
 #include "sansmesh/core/diverging_color.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/field/color_field.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/surface/curvature.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct CurvatureColorOptions {
   enum class Quantity { mean, gaussian, k1, k2 };
@@ -53,4 +53,4 @@ class CurvatureColors : public ColorField {
   double range_ = 0;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

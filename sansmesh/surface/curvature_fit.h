@@ -7,10 +7,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/surface/curvature_options.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Neighbourhoods end at this many h: exp(−1.6²) = 0.08.
 inline constexpr double kReachOverWidth = 1.6;
@@ -198,4 +198,4 @@ class CurvatureFitter {
   double radius_ = 1;
 };
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

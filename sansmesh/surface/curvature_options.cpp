@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 float curvedness(const PrincipalCurvatures& c) { return std::sqrt(0.5f * (c.k1 * c.k1 + c.k2 * c.k2)); }
 
@@ -34,4 +34,4 @@ void CurvatureOptions::validate() const {
   if (noise && !(*noise >= 0 && std::isfinite(*noise))) throw ArgumentError("`noise` must not be negative");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

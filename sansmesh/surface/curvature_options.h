@@ -3,10 +3,10 @@
 
 #include <optional>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The surface around one place. Curvatures in 1 / length, *positive where the surface is convex* (bends away from the
 /// outward normal): +1/r on a sphere of radius r. (The quadratic form of a FootPoint has the opposite sign.)
@@ -51,4 +51,4 @@ struct CurvatureOptions {
   void validate() const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <iterator>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 const char* quantity_word(CurvatureQuantity quantity) {
   return kCurvatureWords[static_cast<std::size_t>(quantity)].data();
@@ -25,4 +25,4 @@ double curvature_range(double range, CurvatureQuantity quantity, double unit) {
   return range * (quantity == CurvatureQuantity::gaussian ? unit * unit : unit);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/surface/curvature_colors.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 using CurvatureQuantity = CurvatureColorOptions::Quantity;
 
@@ -22,4 +22,4 @@ CurvatureQuantity curvature_quantity(std::string_view word);
 /// A range of curvatures of the input (per length or length²) in coordinates of so many lengths of the input.
 double curvature_range(double range, CurvatureQuantity quantity, double unit);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

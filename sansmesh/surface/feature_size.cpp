@@ -4,10 +4,10 @@
 #include <array>
 #include <cmath>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kRounds = 30;
@@ -62,4 +62,4 @@ std::vector<float> estimate_feature_size(const SurfaceSamples& samples, Progress
   return size;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "sansmesh/core/progress.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/surface/surface_samples.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Local feature size at each sample (length): the distance to the medial axis, as the smaller of the radii of the
 /// largest empty balls that touch the surface there from inside and outside, found by shrinking balls (Ma, Bae & Choi
@@ -14,4 +14,4 @@ namespace sansmesh {
 /// within two spacings. At most half the diagonal of the cloud.
 std::vector<float> estimate_feature_size(const SurfaceSamples& samples, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include "sansmesh/field/projection.h"
 #include "sansmesh/surface/candidates.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Calls kernel(group, candidates, mixed, feet of the group) for all groups of x. Points outside of the domain, those
 /// that are not finite, and those whose foot is not, stay where they are, undefined.
@@ -30,4 +30,4 @@ void project_groups(const Candidates& candidates, std::span<const Vec3> x, std::
   });
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -14,7 +14,7 @@
 #include "sansmesh/surface/sample_group.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
 constexpr float kLeast = 1e-30f;  // squares below this are not divided by
@@ -38,7 +38,7 @@ HWY_INLINE Lanes Unit(const Lanes& a, const Lanes& otherwise) {
           hn::IfThenElse(good, Times(a.z, inverse), otherwise.z)};
 }
 
-/// The frame that tangent_frame() of core/vec.h gives.
+/// The frame that tangent_frame() of sansmesh/vec.h gives.
 HWY_INLINE void TangentFrame(const Lanes& n, Lanes& t, Lanes& b) {
   const V one = Constant(1);
   const V sign = hn::CopySign(one, n.z);
@@ -219,7 +219,7 @@ HWY_INLINE void StoreFoot(const Lanes& p, const Lanes& n, const V& xx, const V& 
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #endif

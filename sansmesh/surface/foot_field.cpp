@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Over the spacing: supports of the weights, and radii of the balls of the domain. Places a spacing apart or less in a
@@ -165,4 +165,4 @@ BallUnion FootField::balls() const {
   return balls;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

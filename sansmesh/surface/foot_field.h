@@ -7,11 +7,11 @@
 
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/search/ball_tree.h"
 #include "sansmesh/surface/foot_kernels.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Places on a surface and how it bends there; arrays of equal length.
 struct SurfaceFeet {
@@ -49,4 +49,4 @@ class FootField : public ScalarField {
   double extent_ = 0;  ///< of groups of points (length)
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/surface/foot_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
 HWY_INLINE Offset FromFoot(const Paraboloid& f, const Lanes& p) {
@@ -73,16 +73,16 @@ void BlendParaboloids(std::span<const Paraboloid> near, const PointGroup& group,
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(BlendParaboloids);
 
 void blend_paraboloids(std::span<const Paraboloid> near, const PointGroup& group, bool sheets, GroupHeights& out) {
   HWY_DYNAMIC_DISPATCH(BlendParaboloids)(near, group, sheets, out);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

@@ -5,7 +5,7 @@
 
 #include "sansmesh/surface/sample_group.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// A local approximation of a surface as the kernel needs it: a cache line. Its value at x_i + d is ⟨n, d⟩ − dᵀBd.
 struct alignas(64) Paraboloid {
@@ -24,4 +24,4 @@ struct GroupHeights {
 /// `sheets`: what faces away from the nearest one does not count.
 void blend_paraboloids(std::span<const Paraboloid> near, const PointGroup& group, bool sheets, GroupHeights& out);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -9,7 +9,7 @@
 #include "sansmesh/surface/implicit_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
 /// Squares below this are not divided by.
@@ -387,11 +387,11 @@ void ImplicitNormals(const ImplicitKernel& kernel, std::span<const Candidate> ca
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(ImplicitValues);
 HWY_EXPORT(ImplicitNormals);
 
@@ -405,5 +405,5 @@ void implicit_normals(const ImplicitKernel& kernel, std::span<const Candidate> c
   HWY_DYNAMIC_DISPATCH(ImplicitNormals)(kernel, candidates, group, out);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

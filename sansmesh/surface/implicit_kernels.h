@@ -5,7 +5,7 @@
 
 #include "sansmesh/surface/sample_group.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 enum class ImplicitFormula { hoppe, adamson, adamson_covariance, kolluri, extremal, apss, amls };
 
@@ -31,4 +31,4 @@ void implicit_values(const ImplicitKernel& kernel, std::span<const Candidate> ca
 void implicit_normals(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                       GroupValues& out);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

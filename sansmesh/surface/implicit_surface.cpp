@@ -6,15 +6,15 @@
 #include <iterator>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/feature_size.h"
 #include "sansmesh/surface/implicit_kernels.h"
 #include "sansmesh/surface/iterated_planes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// What samples at random and noise over spacing add to the width: without the former, single samples next to gaps
@@ -295,4 +295,4 @@ void ImplicitSurface::iterated_normals(std::span<const Vec3> x, std::span<Vec3> 
       });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,14 +7,14 @@
 #include <string_view>
 #include <utility>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/normal_field.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/scalar_field.h"
 #include "sansmesh/surface/surface_samples.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class ImplicitMethod {
   hoppe,     ///< tangent plane of the nearest sample (Hoppe et al. 1992)
@@ -116,4 +116,4 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
 /// and without noise, wider otherwise.
 double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method = ImplicitMethod::apss);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,11 +7,11 @@
 #include <unordered_map>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/search/ball_tree.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kEnd = 12;  // of the Gaussians' exponent, as in the kernels
@@ -264,4 +264,4 @@ IterationChoice choose_iterations(const SurfaceSamples& samples, const Iteration
   return best;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "sansmesh/core/progress.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/surface/surface_samples.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 struct IterationOptions {
   int order = 4;  ///< of the generating functions: 2, 4, 6
@@ -40,4 +40,4 @@ struct IterationChoice {
 IterationChoice choose_iterations(const SurfaceSamples& samples, const IterationOptions& options, double smoothing,
                                   int iterations);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

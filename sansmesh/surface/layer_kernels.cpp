@@ -9,7 +9,7 @@
 #include "sansmesh/surface/layer_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
 /// Rounds of direction and offset in turns: the predictor's cost a few products each, the corrector's a sum over the
@@ -202,11 +202,11 @@ void ProjectOntoLayer(const LayerKernel& kernel, std::span<const Candidate> cand
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(ProjectOntoLayer);
 
 void project_onto_layer(const LayerKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
@@ -214,5 +214,5 @@ void project_onto_layer(const LayerKernel& kernel, std::span<const Candidate> ca
   HWY_DYNAMIC_DISPATCH(ProjectOntoLayer)(kernel, candidates, group, out);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

@@ -5,7 +5,7 @@
 
 #include "sansmesh/surface/sample_group.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 struct LayerKernel {
   bool predictor = true;     ///< plane and polynomial of all samples around, whatever their distance
@@ -19,4 +19,4 @@ struct LayerKernel {
 void project_onto_layer(const LayerKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                         GroupFeet& out);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -4,13 +4,13 @@
 #include <utility>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
+#include "sansmesh/error.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/feet_of_groups.h"
 #include "sansmesh/surface/layer_kernels.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct LayerProjection::State {
   detail::LayerKernel kernel;
@@ -71,4 +71,4 @@ void LayerProjection::project(std::span<const Vec3> x, std::span<FootPoint> feet
                          });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

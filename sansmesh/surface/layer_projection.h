@@ -9,7 +9,7 @@
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Arrays of equal length; neighbours in space should be neighbours in the arrays (KdTree::order).
 struct LayerSamples {
@@ -55,4 +55,4 @@ class LayerProjection : public Projection {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kGaussianReach = 12;  // of the exponent, as in the kernels
@@ -127,4 +127,4 @@ LevinPlane least_levin_plane(std::span<const WeighedSample> samples, const Vec3&
   return best;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -3,9 +3,9 @@
 
 #include <span>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// A sample in reach of a point, in double precision.
 struct WeighedSample {
@@ -34,4 +34,4 @@ double levin_energy(std::span<const WeighedSample> samples, const Vec3& r, const
 LevinPlane least_levin_plane(std::span<const WeighedSample> samples, const Vec3& r, const LevinPlane& start,
                              double width);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

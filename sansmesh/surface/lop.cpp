@@ -12,14 +12,14 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
-#include "sansmesh/data/placement.h"
+#include "sansmesh/placement.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kReachOfTheta = 0.65;  ///< θ(0.65 h) = 0.001: beyond, nothing counts
@@ -453,4 +453,4 @@ PointSet consolidate(const PointSet& points, const LopOptions& options, Progress
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

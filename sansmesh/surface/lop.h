@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <optional>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct LopOptions {
   /// Points of the result, at least 1. Default: half as many as there are samples. With more than there are samples the
@@ -44,4 +44,4 @@ struct LopOptions {
 /// number of threads. Throws ArgumentError for bad options, DataError for a cloud without finite samples.
 PointSet consolidate(const PointSet& points, const LopOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

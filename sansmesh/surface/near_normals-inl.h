@@ -12,7 +12,7 @@
 #include "sansmesh/surface/numbers-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
 /// One vector a lane.
@@ -94,7 +94,7 @@ HWY_INLINE V SameSheet(const Candidate& c, const Lanes& n) {
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #endif

@@ -9,7 +9,7 @@
 #include "sansmesh/surface/projection_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
 constexpr int kLevinSteps = 6;  // of the minimisation over plane and offset
@@ -167,11 +167,11 @@ void ProjectGroup(const ProjectionKernel& kernel, std::span<const Candidate> can
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(ProjectGroup);
 
 void project_group(const ProjectionKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
@@ -179,5 +179,5 @@ void project_group(const ProjectionKernel& kernel, std::span<const Candidate> ca
   HWY_DYNAMIC_DISPATCH(ProjectGroup)(kernel, candidates, group, out);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

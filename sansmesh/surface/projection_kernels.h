@@ -5,7 +5,7 @@
 
 #include "sansmesh/surface/sample_group.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 enum class ProjectionFormula { levin, alexa, curvature };
 enum class ProjectionFlow { fit, normal, free };
@@ -31,4 +31,4 @@ struct ProjectionKernel {
 void project_group(const ProjectionKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                    GroupFeet& out);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

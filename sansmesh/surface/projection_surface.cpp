@@ -5,14 +5,14 @@
 #include <iterator>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/surface/candidates.h"
 #include "sansmesh/surface/feet_of_groups.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "sansmesh/surface/projection_kernels.h"
 #include "sansmesh/surface/source_projection.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Width over the spacing beyond that of implicit functions: the polynomials need about a dozen samples. The curvature
@@ -122,4 +122,4 @@ void ProjectionSurface::project(std::span<const Vec3> x, std::span<FootPoint> fe
                          });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

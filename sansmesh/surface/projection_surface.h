@@ -5,12 +5,12 @@
 #include <optional>
 #include <string_view>
 
-#include "sansmesh/core/progress.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/surface/surface_samples.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 enum class ProjectionMethod {
   levin,     ///< plane of least weighted squares over direction and offset, then a polynomial (Levin 2003)
@@ -75,4 +75,4 @@ class ProjectionSurface : public Projection {
 /// Throws ArgumentError for bad options.
 ProjectionSurface make_projection_surface(SurfaceSamples samples, const ProjectionOptions& options, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

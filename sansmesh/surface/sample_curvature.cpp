@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMixed = 24;  // samples around a place
@@ -80,4 +80,4 @@ void SampleCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> n
   });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,14 +6,14 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/placement.h"
-#include "sansmesh/data/point_set.h"
 #include "sansmesh/field/curvature_field.h"
+#include "sansmesh/placement.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/surface/curvature.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The mean of the curvature tensors k₁ d₁d₁ᵀ + k₂ d₂d₂ᵀ of the samples around a place, on the same sheet, with weights
 /// that end smoothly: for clouds and vertices of meshes.
@@ -33,4 +33,4 @@ class SampleCurvature final : public CurvatureField {
   std::vector<std::array<float, 6>> tensors_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

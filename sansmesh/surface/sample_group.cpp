@@ -4,7 +4,7 @@
 
 #include "sansmesh/core/morton.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 void order_batch(std::span<const Vec3> x, double cell, std::vector<std::uint64_t>& order) {
   order.clear();
@@ -29,4 +29,4 @@ void order_batch(std::span<const Vec3> x, double cell, std::vector<std::uint64_t
   if (!sorted) std::sort(order.begin(), order.end());
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
 #include "sansmesh/search/ball_tree.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Points are evaluated together, one per lane; more than the widest vectors have, so that groups do not depend on it.
 constexpr std::size_t kGroup = 16;
@@ -89,4 +89,4 @@ void for_each_group(std::span<const Vec3> x, double extent, Visit&& visit) {
   order.swap(order_of_thread);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -7,7 +7,7 @@
 
 #include "sansmesh/points/local_frame.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr int kIteratedSteps = 6;  // of Levin's plane, as in the kernels
@@ -288,4 +288,4 @@ void project_group_by_source(const ProjectionKernel& kernel, std::span<const Can
   }
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

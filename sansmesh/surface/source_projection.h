@@ -7,7 +7,7 @@
 #include "sansmesh/surface/levin_plane.h"
 #include "sansmesh/surface/projection_kernels.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// How the polynomial over a plane came out, with coordinates u, v and heights in the frame of tangent_frame(normal).
 struct PlanePolynomial {
@@ -37,4 +37,4 @@ Vec3 fit_directional_curvatures(std::span<const WeighedSample> samples, const Ve
 void project_group_by_source(const ProjectionKernel& kernel, std::span<const Candidate> candidates,
                              const PointGroup& group, GroupFeet& out);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/noise.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kNeighbours = 16;
@@ -140,4 +140,4 @@ double default_reach(const SurfaceSamples& samples) {
   return std::min(1.2 + 0.8 * unevenness(samples) + 1.5 * samples.noise / samples.median_spacing, 3.0);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A cloud in an order that keeps neighbours together. Arrays of equal length; positions relative to the cloud's
 /// origin.
@@ -61,4 +61,4 @@ double unevenness(const SurfaceSamples& samples);
 /// stays empty about once in 300,000 times; more with noise.
 double default_reach(const SurfaceSamples& samples);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,15 +7,15 @@
 #include <numeric>
 #include <span>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/close_points.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/surface/curvature_fit.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::CurvatureFitter;
@@ -186,4 +186,4 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,11 +3,11 @@
 
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/surface/curvature.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Noise of the vertices (length) where it is known: few vertices leave the shape of a mesh as noise, which it is not.
 double known_noise(const PointSet& mesh);
@@ -21,4 +21,4 @@ double known_noise(const PointSet& mesh);
 std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh, const CurvatureOptions& options,
                                                             Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

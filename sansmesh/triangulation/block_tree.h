@@ -3,11 +3,11 @@
 
 #include <cstdint>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
 #include "sansmesh/triangulation/block_tree_n.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Range of the depths that can be asked for, of trees of fits and of the blocks of meshes.
 constexpr int kLeastDepth = 2, kMostDepth = 14;
@@ -44,4 +44,4 @@ class BlockTree : public BlockTreeN<3> {
   double edge_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 template <int N>
 std::size_t BlockTreeN<N>::subdivide(std::size_t i) {
@@ -95,4 +95,4 @@ template class BlockTreeN<2>;
 template class BlockTreeN<3>;
 template class BlockTreeN<4>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

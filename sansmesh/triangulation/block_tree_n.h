@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A 2ᴺ-tree over a cube, N = 2, 3 or 4, as one flat array. Node 0 is the root; the 2ᴺ children of a node are
 /// consecutive, bit k of a child's number being its half along axis k. Cells are integer: block `cell` of level l is
@@ -60,4 +60,4 @@ extern template class BlockTreeN<2>;
 extern template class BlockTreeN<3>;
 extern template class BlockTreeN<4>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

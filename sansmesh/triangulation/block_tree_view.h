@@ -4,7 +4,7 @@
 #include "sansmesh/triangulation/block_tree.h"
 #include "sansmesh/triangulation/j1a.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Such a tree as the triangulation sees it. Refers to the tree, which must be balanced when it is asked, must outlive
 /// this and may change.
@@ -51,4 +51,4 @@ class BlockTreeView final : public BlockTreeNView<3> {
   const BlockTree* tree_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/triangulation/block_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Divides blocks from the root on, `levels` times at most. `divides(block, scratch)` decides for each block by itself,
 /// on several threads; `scratch` is room for indices that it may use.
@@ -31,4 +31,4 @@ void divide_blocks(BlockTree& tree, int levels, const Divides& divides) {
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

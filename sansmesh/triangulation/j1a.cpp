@@ -6,9 +6,9 @@
 #include <unordered_map>
 #include <unordered_set>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 // Step numbers count from 1, as in the paper; axis_of(S, i) = π_i.
@@ -417,4 +417,4 @@ SANSMESH_INSTANTIATE(3)
 SANSMESH_INSTANTIATE(4)
 #undef SANSMESH_INSTANTIATE
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

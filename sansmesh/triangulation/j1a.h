@@ -19,7 +19,7 @@
 #include <span>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Integer position of a block among those of its level: block `cell` of level l is the cube [cell, cell + 1]·2⁻ˡ.
 template <int N>
@@ -97,4 +97,4 @@ template <int N>
 std::vector<Simplex<N>> walk_crossing(const BlockView<N>& tree, std::span<const Simplex<N>> seeds,
                                       const InsideTest<N>& inside);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

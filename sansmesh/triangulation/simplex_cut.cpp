@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 template <std::size_t M>
@@ -83,4 +83,4 @@ template std::span<const CutPiece<2>> simplex_cut<2>(unsigned);
 template std::span<const CutPiece<3>> simplex_cut<3>(unsigned);
 template std::span<const CutPiece<4>> simplex_cut<4>(unsigned);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

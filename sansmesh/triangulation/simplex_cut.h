@@ -6,7 +6,7 @@
 #include <span>
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A corner of a piece: the point where the function is zero between vertex `first`, where it is negative, and vertex
 /// `second`, where it is positive.
@@ -26,4 +26,4 @@ using CutPiece = std::array<CutCorner, N>;
 template <int N>
 std::span<const CutPiece<N>> simplex_cut(unsigned positive);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

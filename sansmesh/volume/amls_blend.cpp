@@ -14,7 +14,7 @@
 #include "sansmesh/volume/reconstruction_coefficients.h"
 #include "sansmesh/volume/support_index.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::AmlsBlock;
@@ -271,4 +271,4 @@ std::unique_ptr<VolumeField> make_amls_blend(std::shared_ptr<const SampledVolume
                                      std::move(values), shape);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

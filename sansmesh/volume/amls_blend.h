@@ -4,14 +4,14 @@
 #include <memory>
 
 #include "sansmesh/core/shared_array.h"
-#include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/amls_system.h"
 #include "sansmesh/volume/local_polynomials.h"
 #include "sansmesh/volume/volume_locator.h"
 #include "sansmesh/volume/volume_values.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Whether the field falls back on the grid's linear interpolation by `trust`: where cells have samples as corners and
 /// fit together.
@@ -28,4 +28,4 @@ std::unique_ptr<VolumeField> make_amls_blend(std::shared_ptr<const SampledVolume
                                              std::shared_ptr<const VolumeLocator> locator, LocalPolynomials polynomials,
                                              SharedArray<float> radii, VolumeValues values, const AmlsShape& shape);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

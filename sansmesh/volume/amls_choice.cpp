@@ -14,7 +14,7 @@
 #include "sansmesh/core/scramble.h"
 #include "sansmesh/volume/support_index.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostIterations = 20;
@@ -358,4 +358,4 @@ AmlsChoice choose_amls(const AmlsTrial& trial, std::optional<double> shape, std:
   return choice;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

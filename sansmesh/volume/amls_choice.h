@@ -8,13 +8,13 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/amls_system.h"
 #include "sansmesh/volume/local_polynomials.h"
 #include "sansmesh/volume/volume_values.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct AmlsChoice {
   double shape = 1.5;  ///< ε
@@ -59,4 +59,4 @@ inline constexpr double kAmlsShapes[] = {0.7, 1.0, 1.5, 2.2};
 /// (LocalPolynomials::trust): all of it from about 1/2 on.
 float amls_share(float trust);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,8 +5,8 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/volume/amls_blend.h"
 #include "sansmesh/volume/amls_choice.h"
 #include "sansmesh/volume/amls_system.h"
@@ -16,7 +16,7 @@
 #include "sansmesh/volume/support_blend.h"
 #include "sansmesh/volume/volume_method.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 // Local polynomials, the choice of shape and iterations where they were not chosen, and the iterated constants.
@@ -98,4 +98,4 @@ constexpr VolumeMethod kAmlsMethods[] = {
 
 std::span<const VolumeMethod> amls_field_methods() { return kAmlsMethods; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 #include "sansmesh/volume/amls_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace pn = portable::HWY_NAMESPACE;
@@ -132,16 +132,16 @@ void SumAmls(const float* blocks, std::size_t count, std::size_t components, std
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(SumAmls);
 void sum_amls(const float* blocks, std::size_t block_count, std::size_t components, std::size_t component,
               const AmlsLaguerre& laguerre, std::span<const Vec3f> x, bool gradient, AmlsSums* sums) {
   HWY_DYNAMIC_DISPATCH(SumAmls)(blocks, block_count, components, component, laguerre, x, gradient, sums);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <span>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Supports in blocks of sixteen. A block has kShared rows of sixteen floats (center x, y, z; M by rows; 1 / radius²)
 /// and for each component kOwn more (constant; coefficients of x, y, z, x², xy, xz, y², yz, z² in M d).
@@ -37,4 +37,4 @@ struct AmlsSums {
 void sum_amls(const float* blocks, std::size_t block_count, std::size_t components, std::size_t component,
               const AmlsLaguerre& laguerre, std::span<const Vec3f> x, bool gradient, AmlsSums* sums);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -6,7 +6,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/support_index.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 AmlsShape AmlsShape::of_order(int order) {
   constexpr double d = kDecay;
@@ -110,4 +110,4 @@ void AmlsIteration::advance() {
   for (std::size_t i = 0; i < residual_.size(); ++i) residual_[i] -= product_[i];
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

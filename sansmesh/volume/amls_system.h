@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/local_polynomials.h"
 #include "sansmesh/volume/monomial_table.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// φ(t) = w(t) L(t), w = exp(−2 t) (1 − t)⁴, t = r² / R² < 1: about exp(−6 t), cut off smoothly. L makes the order of
 /// approximation 2, 4 or 6 (Laguerre–Gaussians).
@@ -88,4 +88,4 @@ class AmlsIteration {
   std::vector<double> g_, residual_, product_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

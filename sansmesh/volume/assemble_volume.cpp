@@ -9,11 +9,11 @@
 #include <set>
 #include <utility>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/grid_limits.h"
+#include "sansmesh/error.h"
 #include "sansmesh/volume/block_order.h"
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/cell_finder.h"
@@ -25,7 +25,7 @@
 #include "sansmesh/volume/grid_blocks.h"
 #include "sansmesh/volume/mended_cells.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 bool any_set(const std::vector<std::uint8_t>& flags) {
@@ -484,4 +484,4 @@ SampledVolume assemble_volume(const GridData& data, Association association, Pro
   return volume;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

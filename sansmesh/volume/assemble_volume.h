@@ -3,11 +3,11 @@
 
 #include <string>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/grid_data.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What the values of an array belong to.
 enum class Association : std::uint8_t { points, cells };
@@ -42,4 +42,4 @@ Association association_of(const GridData& data, const std::string& array);
 /// any arrays come samples without attributes.
 SampledVolume assemble_volume(const GridData& data, Association association, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 
 #include "sansmesh/core/index_in.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The number of the interval between ascending knots (two or more) that holds x: knots belong to the one above them.
 /// Beyond the ends, and at what is no number, the first or last one. `uniform`: knots have equal distances, to
@@ -24,4 +24,4 @@ inline std::size_t interval_of(std::span<const double> knots, bool uniform, doub
   return i;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/volume/axis_interval.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr int kSincReach = 4;  ///< steps to either side
@@ -176,4 +176,4 @@ void LagrangeAxis::weights(double x, AxisWeights& out) const {
   }
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 inline constexpr std::size_t kMostAxisWeights = 8;
 
@@ -79,4 +79,4 @@ class LagrangeAxis {
   std::size_t degree_;
 };
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -15,7 +15,7 @@
 #include "sansmesh/volume/sample_gradients.h"
 #include "sansmesh/volume/volume_method.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace detail {
 namespace {
 
@@ -191,4 +191,4 @@ constexpr VolumeMethod kBernsteinMethods[] = {{.name = "bernstein",
 
 std::span<const VolumeMethod> bernstein_field_methods() { return kBernsteinMethods; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

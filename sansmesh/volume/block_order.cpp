@@ -10,7 +10,7 @@
 #include "sansmesh/volume/grid_blocks.h"
 #include "sansmesh/volume/point_order.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Something like a hash of all bytes that go in.
@@ -145,4 +145,4 @@ BlockRows canonical_rows(const GridBlock& b) {
   return rows;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Of the blocks: coarse levels first, then by what they hold. Blocks must be sound (check_blocks).
 std::vector<std::size_t> canonical_order(const GridData& data);
@@ -25,4 +25,4 @@ BlockRows canonical_rows(const GridBlock& block);
 /// Tells rows of points apart that lie at one place: something like a hash of all their values.
 std::uint64_t digest_of_point(const GridBlock& block, std::size_t row);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/volume/box_tree.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
 void AppendOverlapping(const BoxLevels& levels, const std::vector<std::uint32_t>& order, const Box3f& box,
@@ -21,7 +21,7 @@ void AppendOverlapping(const BoxLevels& levels, const std::vector<std::uint32_t>
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
@@ -31,7 +31,7 @@ HWY_AFTER_NAMESPACE();
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace detail {
 HWY_EXPORT(AppendOverlapping);
 
@@ -145,5 +145,5 @@ void BoxTree::child_distances(const BoxNode& node, const Vec3& q, double* distan
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 #endif

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
 #include "sansmesh/search/box_levels.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Built once, then asked from any thread. Boxes are kept in float, relative to the middle of all of them and rounded
 /// outwards: what is found always includes what is there, and hardly more.
@@ -80,4 +80,4 @@ class BoxTree {
   BoxLevels levels_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

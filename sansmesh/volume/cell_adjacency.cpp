@@ -6,7 +6,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Rows from a list for each that `fill(row, list)` makes (ascending, each entry once), in parallel.
@@ -160,4 +160,4 @@ std::vector<std::uint32_t> connected_parts(const Adjacency& links, std::size_t& 
   return part;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/cell_list.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/cell_list.h"
+#include "sansmesh/sampled_volume.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 inline constexpr std::uint32_t kNoCell = 0xffffffffu;
 inline constexpr std::size_t kMostFaces = 6;  ///< of a cell
@@ -37,4 +37,4 @@ Adjacency united(const Adjacency& a, const Adjacency& b);
 /// are.
 std::vector<std::uint32_t> connected_parts(const Adjacency& links, std::size_t& count);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

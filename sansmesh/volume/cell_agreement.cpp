@@ -7,7 +7,7 @@
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/cell_interpolant.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 CellAgreement::CellAgreement(const SampledVolume& volume, const VolumeValues& values, const Polynomials& p,
                              std::span<const std::uint8_t> split)
@@ -106,4 +106,4 @@ CellAgreement::Share CellAgreement::of(std::size_t sample) const {
   return {sum.gain / places, sum.doubt / places};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,11 +7,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/cell_list.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/cell_list.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/volume_values.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// At the places that are farthest from the samples around, the middles of cells whose corners are samples, and the
 /// corners of cells that samples are in: by how much the mean of their polynomials corrects linear interpolation, and
@@ -45,4 +45,4 @@ class CellAgreement {
   std::vector<Share> shares_;  // of the corners of cells, numbered as in CellList
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

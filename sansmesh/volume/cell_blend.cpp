@@ -7,7 +7,7 @@
 
 #include "sansmesh/volume/grouped_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::CellCorner;
@@ -93,4 +93,4 @@ std::unique_ptr<VolumeField> make_cell_blend(std::shared_ptr<const SampledVolume
   return std::make_unique<CellBlend>(std::move(volume), std::move(locator), std::move(polynomials));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

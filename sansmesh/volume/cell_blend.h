@@ -6,12 +6,12 @@
 #include <memory>
 #include <span>
 
-#include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/cell_blend_kernels.h"
 #include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Polynomials about samples, one for each component.
 class CornerPolynomials {
@@ -31,4 +31,4 @@ std::unique_ptr<VolumeField> make_cell_blend(std::shared_ptr<const SampledVolume
                                              std::shared_ptr<const VolumeLocator> locator,
                                              std::unique_ptr<CornerPolynomials> polynomials);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

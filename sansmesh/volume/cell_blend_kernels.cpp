@@ -11,7 +11,7 @@
 #include "sansmesh/volume/local_monomials-inl.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace pn = portable::HWY_NAMESPACE;
@@ -216,11 +216,11 @@ void BlendCorners(const CellCorner* corners, std::size_t count, std::size_t n, b
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(BlendWeights);
 HWY_EXPORT(BlendCorners);
 
@@ -231,5 +231,5 @@ void blend_corners(const CellCorner* corners, std::size_t count, std::size_t n, 
   HWY_DYNAMIC_DISPATCH(BlendCorners)(corners, count, n, gradient, tile);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "sansmesh/data/cell_list.h"
+#include "sansmesh/cell_list.h"
 #include "sansmesh/volume/star_metric.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// What one corner of a cell adds: τ p(x) + (1 − τ) L(x), L the linear interpolation in the cell.
 struct CellCorner {
@@ -42,4 +42,4 @@ void blend_weights(CellShape shape, std::size_t n, bool gradient, CellTile& tile
 /// Σ_v S_v (τ_v p_v + (1 − τ_v) L) at the first n points, and its gradient if wanted. The same on every machine.
 void blend_corners(const CellCorner* corners, std::size_t count, std::size_t n, bool gradient, CellTile& tile);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -7,7 +7,7 @@
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/cell_geometry.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 CellFinder::CellFinder(const CellList& cells, std::span<const Vec3> points)
     : cells_(cells), points_(points), tree_(cells.size(), [this](std::size_t c) { return box(c); }) {}
@@ -96,4 +96,4 @@ void for_each_partial_neighbour(const FaceNeighbours& faces,
     for (const Found& at : chunk) visit(at.cell, at.corner, at.other);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

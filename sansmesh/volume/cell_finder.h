@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/cell_list.h"
+#include "sansmesh/cell_list.h"
+#include "sansmesh/vec.h"
 #include "sansmesh/volume/box_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Keeps views: the cells and their points must outlive it. Asked from any thread.
 class CellFinder {
@@ -61,4 +61,4 @@ class FaceNeighbours {
 void for_each_partial_neighbour(const FaceNeighbours& faces,
                                 const std::function<void(std::uint32_t, std::uint32_t, std::uint32_t)>& visit);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/core/matrix3.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A cell as a hexahedron some of whose corners coincide: whose corner stands at each of the eight.
@@ -367,4 +367,4 @@ EdgeRange squared_edges(CellShape shape, std::span<const Vec3> corners) {
   return range;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <span>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/cell_list.h"
+#include "sansmesh/box.h"
+#include "sansmesh/cell_list.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A cell as the map X(u) = Σ_k a_k m_k(u) with the monomials m = 1, r, s, t, rs, st, rt, rst of u = (r, s, t). The
 /// parameters of hexahedra and pyramids lie in the unit cube, those of wedges in the prism r, s ≥ 0, r + s ≤ 1, 0 ≤ t ≤
@@ -74,4 +74,4 @@ struct EdgeRange {
 };
 EdgeRange squared_edges(CellShape shape, std::span<const Vec3> corners);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/cell_adjacency.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Weights of samples whose sum is the value at `x` of the plane of least squares through them. Directions in which
@@ -154,4 +154,4 @@ void CellInterpolant::evaluate(const VolumePlace& place, const Vec3& x, std::spa
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,11 +6,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/volume_locator.h"
 #include "sansmesh/volume/volume_values.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Linear on tetrahedra between the sample of a cell, a face's middle and two of its corners. Values at corners are
 /// those of the plane of least squares through the samples of the cells around, within the range of these; at the
@@ -41,4 +41,4 @@ class CellInterpolant {
   std::vector<std::uint8_t> outer_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,7 +2,7 @@
 
 #include "sansmesh/core/matrix3.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Parameters that differ from those of the linear part by less than this (as far as bounds tell) need one correction
@@ -72,4 +72,4 @@ bool CellInverse::may_reach(const Vec3& x, double distance) const {
   return true;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

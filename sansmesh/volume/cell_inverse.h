@@ -6,11 +6,11 @@
 #include <cmath>
 #include <span>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/cell_list.h"
+#include "sansmesh/cell_list.h"
+#include "sansmesh/vec.h"
 #include "sansmesh/volume/cell_geometry.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The map of a cell with its linear part about the middle and bounds of the rest. Places are relative to the cell's
 /// first corner, as its own corners are kept: what is nearby keeps all its digits.
@@ -53,4 +53,4 @@ class CellInverse {
   std::array<double, 3> reach_{};   // lengths of the rows
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

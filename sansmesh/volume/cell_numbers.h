@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/volume_locator.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 inline std::size_t cell_count(const SampledVolume& volume) {
   if (!volume.lattice) return volume.cells.size();
@@ -43,4 +43,4 @@ inline VolumePlace place_of_cell(const SampledVolume& volume, std::size_t cell) 
   return place;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

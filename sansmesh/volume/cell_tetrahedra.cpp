@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kFlatTetrahedron = 1e-14;  ///< volume over the cube of the longest edge
@@ -70,4 +70,4 @@ TetrahedralVolume tetrahedra_of(const std::shared_ptr<const SampledVolume>& volu
   return result;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

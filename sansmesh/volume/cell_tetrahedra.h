@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Appends the faces of a cell as triangles, counter-clockwise from outside; quadrilaterals are cut along the diagonal
 /// that ends at the corner of least number. As numbers of corners (0..7) of the cell.
@@ -30,4 +30,4 @@ struct TetrahedralVolume {
 };
 TetrahedralVolume tetrahedra_of(const std::shared_ptr<const SampledVolume>& volume);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/volume/holds_for_all.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::holds_for_all;
@@ -109,4 +109,4 @@ void check_volume(const SampledVolume& volume) {
     demand(a.rows() == n && a.size() == n * a.components, "an array does not fit its samples");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

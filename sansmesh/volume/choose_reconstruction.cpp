@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// On lattices of more samples polynomials about each take too long for what they gain.
@@ -49,4 +49,4 @@ ReconstructionChoice choose_reconstruction(const SampledVolume& volume, const Vo
                   percent(traits.left_out[2]), percent(traits.left_out[1]))};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

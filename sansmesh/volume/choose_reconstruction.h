@@ -3,11 +3,11 @@
 
 #include <string>
 
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/reconstruction_options.h"
 #include "sansmesh/volume/volume_traits.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ReconstructionChoice {
   std::string method = "mls-detail";
@@ -17,4 +17,4 @@ struct ReconstructionChoice {
 /// What is taken where nobody chose.
 ReconstructionChoice choose_reconstruction(const SampledVolume& volume, const VolumeTraits& traits);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,12 +2,12 @@
 
 #include <cmath>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/volume/box_tree.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 std::vector<std::uint32_t> coincident_points(std::span<const Vec3> points, std::span<const double> shortest_edges,
                                              std::span<const std::uint8_t> joinable) {
@@ -52,4 +52,4 @@ std::vector<std::uint32_t> coincident_points(std::span<const Vec3> points, std::
   return first;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The shortest edge at each point that is one, rather than two corners at the same place; infinite where there is
 /// none. each_edge(visit) calls visit(a, b, length) for all edges, twice the same ones. Points at the ends of edges
@@ -37,4 +37,4 @@ std::vector<double> shortest_edges(std::size_t points, const EachEdge& each_edge
 std::vector<std::uint32_t> coincident_points(std::span<const Vec3> points, std::span<const double> shortest_edges,
                                              std::span<const std::uint8_t> joinable);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <utility>
 
-#include "sansmesh/data/cell_list.h"
+#include "sansmesh/cell_list.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 void ConvexCell::assign_box(const Vec3& lower, const Vec3& upper) {
   vertices_.clear(), loops_.clear(), faces_.clear();
@@ -134,4 +134,4 @@ void ConvexCell::moments(std::vector<FaceMoment>& out) const {
   }
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

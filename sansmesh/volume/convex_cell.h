@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Bounded and convex. Each face carries a label: that of the plane that made it. Reused, it allocates nothing.
 class ConvexCell {
@@ -64,4 +64,4 @@ class ConvexCell {
   std::vector<CutEdge> cut_edges_;
 };
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -11,7 +11,7 @@
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/star_metric.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kSpansSpace = 0.05;  ///< least pivot of the basis over the largest
@@ -150,4 +150,4 @@ CornerSamples with_surface_samples(std::shared_ptr<const SampledVolume> volume, 
   return {std::move(made), std::move(values)};
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -3,10 +3,10 @@
 
 #include <memory>
 
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/volume_values.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 struct CornerSamples {
   std::shared_ptr<const SampledVolume> volume;
@@ -25,4 +25,4 @@ CornerSamples corner_samples(std::shared_ptr<const SampledVolume> volume, Volume
 /// samples holds the volume. Stars are not set.
 CornerSamples with_surface_samples(std::shared_ptr<const SampledVolume> volume, VolumeValues values);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -12,7 +12,7 @@
 #include "sansmesh/volume/cell_finder.h"
 #include "sansmesh/volume/cell_geometry.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Whether a lattice holds x, and which cell of it.
@@ -199,4 +199,4 @@ std::vector<std::uint8_t> overlapped_cells(const CellList& cells, const std::vec
   return gone;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

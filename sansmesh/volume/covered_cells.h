@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 #include "sansmesh/volume/gathered_cells.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Takes out the cells that lie in visible cells of lattices of finer levels (AMR), also where the file does not say
 /// that these cover them. Returns how many.
@@ -20,4 +20,4 @@ std::size_t remove_below_levels(const GridData& data, GatheredCells& gathered);
 std::vector<std::uint8_t> overlapped_cells(const CellList& cells, const std::vector<Vec3>& points,
                                            const std::vector<std::uint16_t>& block);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -15,12 +15,12 @@ extern "C" {
 #include <libqhull_r/qhull_ra.h>
 }
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/scramble.h"
+#include "sansmesh/error.h"
 #include "sansmesh/volume/cell_geometry.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Uniform in −1 .. 1, from a number.
@@ -128,4 +128,4 @@ CellList delaunay_tetrahedra(std::span<const Vec3> points) {
   return cells;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -13,7 +13,7 @@
 #include "sansmesh/volume/volume_locator.h"
 #include "sansmesh/volume/volume_method.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 class StoredCornerPolynomials final : public CornerPolynomials {
@@ -92,4 +92,4 @@ constexpr VolumeMethod kDetailMethods[] = {
 
 std::span<const VolumeMethod> detail_field_methods() { return kDetailMethods; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

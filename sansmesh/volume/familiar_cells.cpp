@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/cell_geometry.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMost = 65536;  // familiar cells: some hundred bytes each
@@ -186,4 +186,4 @@ std::unique_ptr<FamiliarCells::Cell> FamiliarCells::familiar(std::uint32_t numbe
   return made;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,12 +9,12 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/vec.h"
 #include "sansmesh/volume/box_tree.h"
 #include "sansmesh/volume/cell_inverse.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Points that come one after the other (stages of a particle, samples of a ray) lie in one cell or in neighbours. From
 /// a cell that is familiar the next one is reached through faces, without a search, and what a search would find is
@@ -68,4 +68,4 @@ class FamiliarCells {
   mutable std::atomic<std::uint32_t> used_{0};
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "sansmesh/core/median.h"
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 #include "sansmesh/volume/coincident_points.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::size_t ring_size(const FlatCell& cell) { return cell.corners[3] == GridBlock::kNone ? 3 : 4; }
@@ -169,4 +169,4 @@ void thicken(const std::vector<FlatCell>& cells, bool centers, GatheredCells& g,
   g = std::move(solid);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,10 +5,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/gathered_cells.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct FlatCell {
   std::array<std::uint32_t, 4> corners;  ///< in the list of all points, a ring; the last GridBlock::kNone of triangles
@@ -23,4 +23,4 @@ struct FlatCell {
 /// into facts: layer.
 void thicken(const std::vector<FlatCell>& cells, bool centers, GatheredCells& gathered, VolumeFacts& facts);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

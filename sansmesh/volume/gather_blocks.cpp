@@ -8,7 +8,7 @@
 #include "sansmesh/volume/flat_cells.h"
 #include "sansmesh/volume/grid_blocks.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Visits the cells of a structured block with one layer as quadrilaterals, in their order.
@@ -170,4 +170,4 @@ GatheredCells gather_cells(const GridData& data, const std::vector<std::size_t>&
   return gathered;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

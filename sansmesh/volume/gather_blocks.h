@@ -4,11 +4,11 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/data/grid_data.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/gathered_cells.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// All that is visible and finite: hidden points take their cells along. Blocks in the order given, the rows of those
 /// without structure in that of canonical_rows. Layers and flat cells become one slab, unless there are cells with
@@ -17,4 +17,4 @@ namespace sansmesh {
 GatheredCells gather_cells(const GridData& data, const std::vector<std::size_t>& order, bool centers,
                            VolumeFacts& facts);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,13 +1,13 @@
 #include "sansmesh/volume/gather_points.h"
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/error.h"
 #include "sansmesh/volume/block_order.h"
 #include "sansmesh/volume/box_tree.h"
 #include "sansmesh/volume/delaunay.h"
 #include "sansmesh/volume/point_order.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 GatheredCells gather_scattered(const GridData& data, const std::vector<std::size_t>& order, VolumeFacts& facts,
                                std::vector<std::uint32_t>& first) {
@@ -68,4 +68,4 @@ GatheredCells gather_scattered(const GridData& data, const std::vector<std::size
   return g;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/data/grid_data.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/gathered_cells.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The visible and finite points of all scattered blocks, neighbours near each other in an order that depends on their
 /// places and values alone, with the cells of their Delaunay tetrahedralisation; `first` is what join_coincident
@@ -18,4 +18,4 @@ namespace sansmesh {
 GatheredCells gather_scattered(const GridData& data, const std::vector<std::size_t>& order, VolumeFacts& facts,
                                std::vector<std::uint32_t>& first);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

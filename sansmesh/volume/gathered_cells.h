@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/cell_list.h"
+#include "sansmesh/cell_list.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Points and cells with where they come from.
 struct GatheredCells {
@@ -22,4 +22,4 @@ struct GatheredCells {
   std::vector<Vec3> centers;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

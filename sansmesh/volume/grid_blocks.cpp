@@ -5,9 +5,9 @@
 #include <cmath>
 #include <string>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::string name_of(const GridBlock& b, std::size_t number) {
@@ -75,4 +75,4 @@ void check_blocks(const GridData& data) {
   if (points > 0xfffffff0u / 2) throw DataError(fmt::format("{} points are more than can be used", points));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

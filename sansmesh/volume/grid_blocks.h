@@ -5,10 +5,10 @@
 #include <array>
 #include <cstddef>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 inline bool is_structured(const GridBlock& b) { return b.kind == GridKind::lattice || b.kind == GridKind::curvilinear; }
 /// Numbers of points along the axes of a structured block.
@@ -33,4 +33,4 @@ Vec3 point_of(const GridBlock& b, std::size_t i);
 /// rows as there are points or cells, or axes do not increase; and for more than 65,536 blocks or 2³¹ points.
 void check_blocks(const GridData& data);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

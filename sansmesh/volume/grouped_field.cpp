@@ -4,11 +4,11 @@
 #include <cmath>
 #include <numeric>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/volume/point_order.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 // Below the number from which on the locator sorts.
@@ -115,4 +115,4 @@ void GroupedField::answer_outside(Group& group, const VolumeAnswers& wanted, Blo
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

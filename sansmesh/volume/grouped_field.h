@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 class GroupedField : public VolumeField {
  public:
@@ -67,4 +67,4 @@ class GroupedField : public VolumeField {
   std::size_t components_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

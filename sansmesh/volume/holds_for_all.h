@@ -6,7 +6,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Whether right(i) for all i < n. Runs in parallel.
 template <class Right>
@@ -19,4 +19,4 @@ bool holds_for_all(std::size_t n, const Right& right) {
   return all;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -8,14 +8,14 @@
 #include <vector>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/volume/axis_weights.h"
 #include "sansmesh/volume/pointwise_field.h"
 #include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/volume_method.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace detail {
 namespace {
 
@@ -187,4 +187,4 @@ constexpr VolumeMethod kLatticeMethods[] = {
 
 std::span<const VolumeMethod> lattice_field_methods() { return kLatticeMethods; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/stencil_fit.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kTaps = 5, kPowers = 5;  // samples along an axis; degrees 0..4
@@ -293,4 +293,4 @@ LocalPolynomials fit_lattice_polynomials(const SampledVolume& volume, const Volu
       [](LatticeFitter& fitter, std::size_t i, PolynomialPart& part) { fitter.append(i, part); }, {}, false);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,12 +1,12 @@
 // Polynomials about the samples of a lattice, axis by axis.
 #pragma once
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/local_polynomials.h"
 #include "sansmesh/volume/volume_values.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// As fit_local_polynomials, for a lattice: `metrics` stay empty. Stencils are the (up to) five samples along each axis
 /// around the sample, 125 in all, at the ends of axes the last five. Since these are products of axes and so are the
@@ -24,4 +24,4 @@ inline LocalPolynomials fit_polynomials(const SampledVolume& volume, const Volum
                         : fit_local_polynomials(volume, values, options, progress);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -16,7 +16,7 @@
 #include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/volume_method.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kInLattice = 1024;  // points that a thread answers together
@@ -268,4 +268,4 @@ constexpr VolumeMethod kLinearMethods[] = {
 
 std::span<const VolumeMethod> linear_field_methods() { return kLinearMethods; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -15,7 +15,7 @@
 #include "sansmesh/volume/monomial_table.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace pn = portable::HWY_NAMESPACE;
@@ -67,7 +67,7 @@ HWY_INLINE void SumMonomials(D d, int degree, const float* HWY_RESTRICT c, V x, 
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #endif

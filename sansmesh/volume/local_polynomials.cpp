@@ -11,7 +11,7 @@
 #include "sansmesh/volume/sample_stencil.h"
 #include "sansmesh/volume/stencil_fit.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kStencilRings = 6;
@@ -253,4 +253,4 @@ LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const Volume
       metrics, options.ask_in_cells);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

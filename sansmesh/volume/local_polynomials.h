@@ -9,14 +9,14 @@
 
 #include "sansmesh/approximation/polynomial_order.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/core/shared_array.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/star_metric.h"
 #include "sansmesh/volume/stencil_fit.h"
 #include "sansmesh/volume/volume_values.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// p_i(x) = constant_i + Σ_{m >= 1} c_im monomial_m(u), u = M_i (x − x_i), monomials in the order of
 /// PolynomialOrder<3>, degree 0..4. Plain arrays that are never changed, in memory or in a mapped file.
@@ -126,4 +126,4 @@ LocalPolynomials gather_polynomials(const SampledVolume& volume, const VolumeVal
   return result;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kMeanValueFlat = 1e-7;   ///< |det| of unit vectors from where on x lies in a triangle's plane
@@ -149,4 +149,4 @@ void mean_value_weights(std::span<const Vec3> corners, std::span<const std::arra
   }
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

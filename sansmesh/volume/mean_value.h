@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <span>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// Weights of the corners at x, and their gradients unless `slopes` is empty. Triangles name corners, counter-clockwise
 /// seen from outside, and close the polyhedron, convex or not. Weights sum to 1 and reproduce straight functions;
@@ -16,4 +16,4 @@ namespace sansmesh::detail {
 void mean_value_weights(std::span<const Vec3> corners, std::span<const std::array<std::uint8_t, 3>> triangles,
                         const Vec3& x, std::span<double> weights, std::span<Vec3> slopes);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

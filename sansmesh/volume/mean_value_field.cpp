@@ -11,7 +11,7 @@
 #include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/volume_method.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace detail {
 namespace {
 
@@ -104,4 +104,4 @@ constexpr VolumeMethod kMeanValueMethods[] = {{.name = "mean-value",
 
 std::span<const VolumeMethod> mean_value_field_methods() { return kMeanValueMethods; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

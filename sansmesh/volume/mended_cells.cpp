@@ -11,7 +11,7 @@
 #include "sansmesh/volume/cell_geometry.h"
 #include "sansmesh/volume/coincident_points.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// The faces of a cell some of whose corners are the same, as rings without repetitions.
@@ -219,4 +219,4 @@ std::vector<std::uint32_t> mend_cells(GatheredCells& g, VolumeFacts& facts) {
   return source;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

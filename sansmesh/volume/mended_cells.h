@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/gathered_cells.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Points at one place become the first of them (coincident_points): renames the corners of cells. Returns for each
 /// point that first one; empty if there are none to join.
@@ -18,4 +18,4 @@ std::vector<std::uint32_t> join_coincident(GatheredCells& gathered);
 /// empty if these are the same.
 std::vector<std::uint32_t> mend_cells(GatheredCells& gathered, VolumeFacts& facts);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -23,7 +23,7 @@
 #include "sansmesh/volume/support_index.h"
 #include "sansmesh/volume/volume_method.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::MlsSample;
@@ -374,4 +374,4 @@ constexpr VolumeMethod kMlsMethods[] = {{.name = "mls",
 
 std::span<const VolumeMethod> mls_field_methods() { return kMlsMethods; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 #include "sansmesh/volume/monomial_table.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
@@ -153,16 +153,16 @@ void SolveMls(const MlsSample* samples, std::size_t count, const StarMetric& fra
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(SolveMls);
 void solve_mls(const MlsSample* samples, std::size_t count, const StarMetric& frame, int degree, std::size_t n,
                bool gradient, MlsTile& tile) {
   HWY_DYNAMIC_DISPATCH(SolveMls)(samples, count, frame, degree, n, gradient, tile);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

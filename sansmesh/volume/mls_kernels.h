@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 #include "sansmesh/volume/star_metric.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// A sample whose weight is (1 − r²)⁴, r = ‖M (x − position)‖ / radius < 1.
 struct MlsSample {
@@ -35,4 +35,4 @@ struct MlsTile {
 void solve_mls(const MlsSample* samples, std::size_t count, const StarMetric& frame, int degree, std::size_t n,
                bool gradient, MlsTile& tile);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 struct MonomialTable {
   static constexpr int kTerms = 35;
@@ -34,4 +34,4 @@ struct MonomialTable {
 
 inline constexpr MonomialTable kMonomials;
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

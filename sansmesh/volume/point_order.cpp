@@ -4,11 +4,11 @@
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/core/box.h"
+#include "sansmesh/box.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint64_t kNowhere = ~std::uint64_t{0};  ///< the code of what is not finite; no other has it
@@ -79,4 +79,4 @@ std::vector<std::uint32_t> canonical_point_order(std::span<const Vec3> points,
   return indices_of(keys);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

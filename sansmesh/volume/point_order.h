@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// By x, then y, then z.
 inline bool lexicographic_less(const Vec3& a, const Vec3& b) {
@@ -25,4 +25,4 @@ std::vector<std::uint32_t> locality_order(std::span<const Vec3> points);
 std::vector<std::uint32_t> canonical_point_order(std::span<const Vec3> points,
                                                  const std::function<bool(std::uint32_t, std::uint32_t)>& before);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

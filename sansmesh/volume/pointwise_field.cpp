@@ -5,11 +5,11 @@
 #include <cmath>
 #include <utility>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/volume/point_order.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr std::size_t kLocatedGrain = 256, kAtOnce = 32;  // of a thread; whose places are kept
@@ -117,4 +117,4 @@ std::uint8_t WeightedField::answer(const Vec3& x, const VolumePlace& place, doub
   return 0;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/field/volume_field.h"
 #include "sansmesh/volume/volume_locator.h"
 #include "sansmesh/volume/volume_values.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// What fields have that ask first in which cell a point lies: points in an order that suits the locator, cut into
 /// batches for threads.
@@ -76,4 +76,4 @@ class WeightedField : public PointwiseField {
   std::uint8_t answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const final;
 };
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -17,7 +17,7 @@
 #include "sansmesh/volume/sample_supports.h"
 #include "sansmesh/volume/volume_method.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace detail {
 namespace {
 
@@ -339,4 +339,4 @@ constexpr VolumeMethod kRbfMethods[] = {{.name = "rbf",
 
 std::span<const VolumeMethod> rbf_field_methods() { return kRbfMethods; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,13 +8,13 @@
 #include <variant>
 
 #include "sansmesh/core/check_range.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/median.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/scaled_volume.h"
 #include "sansmesh/volume/choose_reconstruction.h"
 #include "sansmesh/volume/reconstruction_input.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Options that are set and that the method does not use.
@@ -113,4 +113,4 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   return std::make_unique<ScaledVolume>(std::move(field), std::move(factors));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

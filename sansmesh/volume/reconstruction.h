@@ -4,14 +4,14 @@
 #include <memory>
 #include <string>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/reconstruction_coefficients.h"
 #include "sansmesh/volume/reconstruction_options.h"
 #include "sansmesh/volume/volume_method.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The field of one array (all its components). `volume` is shared. Without a method the one that suits the array is
 /// chosen (choose_reconstruction), and the report says which and why. Throws ArgumentError for options out of range,
@@ -26,4 +26,4 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
                                                 ReconstructionReport* report = nullptr,
                                                 ReconstructionCoefficients* coefficients = nullptr);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

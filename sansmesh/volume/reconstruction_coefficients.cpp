@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdint>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/volume/holds_for_all.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::holds_for_all;
@@ -66,4 +66,4 @@ void ReconstructionCoefficients::check(const SampledVolume& volume, std::size_t 
           "the radius of a support makes no sense");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

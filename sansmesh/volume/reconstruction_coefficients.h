@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "sansmesh/core/shared_array.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/local_polynomials.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Of mls-detail and amls; the other methods have none, they are quickly set up from the values. Plain arrays that are
 /// never changed, in memory or in a mapped file.
@@ -32,4 +32,4 @@ struct ReconstructionCoefficients {
 /// fit together since blocks overlap, and where samples are corners of none), not polynomials in cells.
 bool blends_supports(const SampledVolume& volume, std::string_view method);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,13 +3,13 @@
 
 #include <memory>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/reconstruction_coefficients.h"
 #include "sansmesh/volume/reconstruction_options.h"
 #include "sansmesh/volume/volume_values.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The options are in range, and none that the method does not use.
 struct ReconstructionInput {
@@ -23,4 +23,4 @@ struct ReconstructionInput {
   ReconstructionCoefficients& coefficients;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

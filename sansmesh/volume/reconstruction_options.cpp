@@ -6,7 +6,7 @@
 #include "sansmesh/schema/registry_words.h"
 #include "sansmesh/volume/volume_method.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 const OptionSchema& ReconstructionOptions::schema() {
   using O = ReconstructionOptions;
@@ -47,4 +47,4 @@ void ReconstructionOptions::validate() const {
   check_argument(!order || *order == 2 || *order == 4 || *order == 6, "`order` must be 2, 4 or 6");
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Absent options are chosen from the data. Without a method no other option may be set.
 struct ReconstructionOptions {
@@ -40,4 +40,4 @@ struct ReconstructionReport {
   std::size_t bytes = 0;               ///< of memory that the field takes with its samples and cells, about
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/star_metric.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr std::size_t kMostNear = 48;    ///< samples of two rings that count: the nearest
@@ -92,4 +92,4 @@ std::vector<Vec3> sample_gradients(const SampledVolume& volume, const VolumeValu
   return gradients;
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Which of a volume's samples a walk over stars has met. Its memory follows the largest walk, not the volume: one for
 /// each range of a loop costs nothing. Open addressing; slots are void unless they bear the number of the walk.
@@ -54,4 +54,4 @@ class SampleSet {
   std::uint32_t walk_ = 1;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 #include "sansmesh/volume/sample_gradients.h"
 #include "sansmesh/volume/volume_values.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Least spacing over the longest step of a lattice: rounder supports would hold no second slice.
@@ -190,4 +190,4 @@ std::vector<float> steepest_across(const SampledVolume& volume, const SampleSlop
   return most;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

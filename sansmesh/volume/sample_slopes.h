@@ -5,10 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 class SampleSlopes {
  public:
@@ -42,4 +42,4 @@ class SampleSlopes {
 std::vector<float> steepest_across(const SampledVolume& volume, const SampleSlopes& slopes,
                                    std::span<const float> steep, double least);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

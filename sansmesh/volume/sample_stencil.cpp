@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 void SampleStencil::gather(std::uint32_t sample, const StarMetric& metric, std::size_t enough, std::size_t most,
                            int max_rings) {
@@ -32,4 +32,4 @@ void SampleStencil::gather(std::uint32_t sample, const StarMetric& metric, std::
   for (const std::uint32_t j : samples_) local_.push_back(metric(volume_.positions[j] - center));
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

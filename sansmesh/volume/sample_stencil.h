@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/vec.h"
 #include "sansmesh/volume/sample_set.h"
 #include "sansmesh/volume/star_metric.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Gathers samples ring by ring. One object a thread; its memory is reused. `volume` must outlive it and be no lattice.
 class SampleStencil {
@@ -40,4 +40,4 @@ class SampleStencil {
   int rings_ = 0;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 #include "sansmesh/volume/axis_interval.h"
 #include "sansmesh/volume/cell_adjacency.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr double kMostOfMedian = 3;  ///< slivers along the hull of scattered samples reach far across
@@ -157,4 +157,4 @@ void SampleSupports::covering(const Vec3& x, std::vector<Cover>& out) const {
   }
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

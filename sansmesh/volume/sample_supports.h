@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/vec.h"
 #include "sansmesh/volume/box_tree.h"
 #include "sansmesh/volume/star_metric.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// The distance t_i(x) from sample i is that of its star's metric (star_metric.h), so that stretched cells are as wide
 /// as they are high, in units of the farthest of its neighbours: t_i = 1 at the farthest sample (of samples in cells
@@ -52,4 +52,4 @@ class SampleSupports {
 /// around a sample; less than 1.05 times that counts as that.
 double reach_of_radius(double radius);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

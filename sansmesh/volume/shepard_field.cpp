@@ -8,7 +8,7 @@
 #include "sansmesh/volume/sample_supports.h"
 #include "sansmesh/volume/volume_method.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace detail {
 namespace {
 
@@ -93,4 +93,4 @@ constexpr VolumeMethod kShepardMethods[] = {{.name = "shepard",
 
 std::span<const VolumeMethod> shepard_field_methods() { return kShepardMethods; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -15,7 +15,7 @@
 #include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/volume_method.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace detail {
 namespace {
 
@@ -236,4 +236,4 @@ constexpr VolumeMethod kSibsonMethods[] = {{.name = "sibson",
 
 std::span<const VolumeMethod> sibson_field_methods() { return kSibsonMethods; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

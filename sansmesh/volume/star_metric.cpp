@@ -6,7 +6,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/local_frame.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 // Extents below this fraction of the largest are rounding of the positions, not thickness.
@@ -97,4 +97,4 @@ StarMetric lattice_metric(const Lattice& lattice, std::size_t sample) {
   return metric;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Takes offsets from a sample, lengths, to local coordinates u = M d in which the samples next to it lie in the unit
 /// ball, whatever the aspect of the cells: the local norm is ‖u‖. Rows of M; M = diag(1 / extent) E with orthonormal E.
@@ -47,4 +47,4 @@ StarMetric lattice_metric(const Lattice& lattice, std::size_t sample);
 /// The longer of the two steps of an axis at its coordinate i.
 double lattice_step(const std::vector<double>& axis, std::size_t i);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/core/median.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr auto kTerms = static_cast<std::size_t>(monomial_count(3, 4));
@@ -197,4 +197,4 @@ bool StencilFit::doubt_outliers(std::size_t components, bool first) {
   return change > kSettled;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

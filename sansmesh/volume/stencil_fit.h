@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "sansmesh/approximation/orthogonal_polynomials.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct StencilFitOptions {
   int max_degree = 3;  ///< 0..4
@@ -80,4 +80,4 @@ class StencilFit {
       monomials_, sorted_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -15,7 +15,7 @@
 #include "sansmesh/volume/support_index.h"
 #include "sansmesh/volume/support_kernels.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::SupportTerm;
@@ -253,4 +253,4 @@ std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVol
                                         values);
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

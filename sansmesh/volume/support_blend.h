@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "sansmesh/core/shared_array.h"
-#include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/local_polynomials.h"
 #include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Radii of the supports of all samples, in the local metrics: every point of a cell that a sample is a corner of lies
 /// within `reach` times the radius, or every corner of the cells that it stands for within 0.7 of it.
@@ -34,4 +34,4 @@ std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVol
                                                 LocalPolynomials polynomials, SharedArray<float> radii,
                                                 const VolumeValues& values);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 // Half the edges of the box of an ellipsoid ‖M d‖ <= radius: the lengths of the rows of radius M⁻¹, M = diag(s) E.
@@ -132,4 +132,4 @@ void SupportIndex::leave_connected(int rings, Memory& memory) const {
   std::erase_if(memory.supports, [&](std::uint32_t i) { return !seen(i); });
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,14 +6,14 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/vec.h"
 #include "sansmesh/volume/box_tree.h"
 #include "sansmesh/volume/sample_set.h"
 #include "sansmesh/volume/star_metric.h"
 #include "sansmesh/volume/volume_locator.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 class SupportIndex {
  public:
@@ -50,4 +50,4 @@ class SupportIndex {
   BoxTree tree_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

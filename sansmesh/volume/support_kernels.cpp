@@ -11,7 +11,7 @@
 #include "sansmesh/volume/support_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace pn = portable::HWY_NAMESPACE;
@@ -74,15 +74,15 @@ void SumSupports(const SupportTerm* terms, std::size_t count, std::size_t n, boo
 }
 
 }  // namespace HWY_NAMESPACE
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 HWY_EXPORT(SumSupports);
 void sum_supports(const SupportTerm* terms, std::size_t count, std::size_t n, bool gradient, SupportTile& tile) {
   HWY_DYNAMIC_DISPATCH(SumSupports)(terms, count, n, gradient, tile);
 }
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail
 #endif

@@ -6,7 +6,7 @@
 
 #include "sansmesh/volume/star_metric.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 
 /// One support: w(r) = (1 − r²)⁴ for r = ‖M (x − center)‖ / radius < 1, times a polynomial.
 struct SupportTerm {
@@ -31,4 +31,4 @@ struct SupportTile {
 /// Sums over `count` supports at the first n points, a multiple of 16; gradients if wanted. The same on every machine.
 void sum_supports(const SupportTerm* terms, std::size_t count, std::size_t n, bool gradient, SupportTile& tile);
 
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

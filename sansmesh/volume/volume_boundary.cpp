@@ -11,7 +11,7 @@
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/cell_finder.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kFinest = 4;  ///< times that a partly covered face is cut in four
@@ -208,4 +208,4 @@ TriangleMesh volume_boundary(const SampledVolume& volume) {
   return mesh;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,11 +1,11 @@
 // The surface of a volume, convex or not: where rays enter and leave it.
 #pragma once
 
-#include "sansmesh/data/polyline_set.h"
-#include "sansmesh/data/sampled_volume.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/polyline_set.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Faces that only one cell has, as triangles turned outwards, with shared vertices. Faces between cells of different
 /// size (levels of AMR, borders of blocks) do not count where the other side is covered.
@@ -15,4 +15,4 @@ TriangleMesh volume_boundary(const SampledVolume& volume);
 /// along its six sides.
 PolylineSet boundary_edges(const SampledVolume& volume);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

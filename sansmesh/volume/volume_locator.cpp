@@ -6,8 +6,8 @@
 #include <mutex>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/volume/axis_interval.h"
 #include "sansmesh/volume/box_tree.h"
@@ -17,7 +17,7 @@
 #include "sansmesh/volume/familiar_cells.h"
 #include "sansmesh/volume/point_order.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kBeside = 2000;   // tolerances from the volume: 2e-6 of its diagonal
@@ -350,4 +350,4 @@ void shape_gradients(const SampledVolume& volume, const VolumePlace& place, cons
   }
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

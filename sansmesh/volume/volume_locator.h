@@ -7,10 +7,10 @@
 #include <memory>
 #include <span>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// A cell and a place in it. Cells of a lattice are numbered as its samples are: cell (i, j, k) has the samples i, i +
 /// 1 … of each axis as corners, in VTK's order of hexahedra.
@@ -61,4 +61,4 @@ class VolumeLocator {
   std::unique_ptr<State> state_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/field/volume_field.h"
 #include "sansmesh/schema/registry.h"
+#include "sansmesh/volume_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct ReconstructionInput;
 
@@ -35,4 +35,4 @@ inline const VolumeMethod& volume_method(std::string_view name) { return VolumeM
 /// Those of each source that has some, in the order of CMakeLists.txt, from which the definition is made.
 std::vector<std::span<const VolumeMethod>> own_volume_methods();
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Samples that are predicted, at most.
@@ -157,4 +157,4 @@ VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValu
   return t;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

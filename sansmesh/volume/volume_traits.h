@@ -4,11 +4,11 @@
 #include <array>
 #include <cstddef>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/volume_values.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Told from some thousand samples: each is predicted from the samples around it by polynomials of degree 0 to 3. All
 /// values are shares of the range that the array has (of vectors: of the largest range of a component).
@@ -33,4 +33,4 @@ struct VolumeTraits {
 /// Deterministic, about a second at most. `values` are of the volume.
 VolumeTraits measure_volume_traits(const SampledVolume& volume, const VolumeValues& values, Progress& progress);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "sansmesh/core/binary_scale.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Gives the samples that are not `known` the mean of the known ones of their stars, those next to them first, ring by
@@ -125,4 +125,4 @@ VolumeValues volume_values(const SampledVolume& volume, const std::string& name)
   return of;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

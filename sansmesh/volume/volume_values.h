@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct VolumeValues {
   std::string name;
@@ -37,4 +37,4 @@ std::vector<double> value_scales(const VolumeValues& values);
 /// The values times these; as they are where `scales` is empty.
 VolumeValues scaled_values(VolumeValues values, std::span<const double> scales);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

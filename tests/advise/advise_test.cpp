@@ -8,13 +8,13 @@
 #include <optional>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/model/surface_method.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Aim = Recommendation::Aim;
@@ -258,4 +258,4 @@ TEST(Advise, DoesNotDependOnUnitOrThreads) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

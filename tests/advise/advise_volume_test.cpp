@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using VolumeAim = VolumeRecommendation::Aim;
@@ -70,4 +70,4 @@ TEST(AdviseVolume, BodiesMoveByForces) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "approximation/approximation_samples.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::smooth;
@@ -308,4 +308,4 @@ TEST(ApproximateMls, BadInput) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

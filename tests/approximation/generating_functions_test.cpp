@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "approximation/approximation_samples.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr RadialFunction kAllKernels[] = {RadialFunction::kThinPlate,           RadialFunction::kBiharmonic,
@@ -102,4 +102,4 @@ TEST(LaguerreGaussian, HasTheMomentsOfADelta) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,9 +8,9 @@
 #include <limits>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 template <int D>
@@ -436,4 +436,4 @@ TEST(OrthogonalFit, RefusesBadInput) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

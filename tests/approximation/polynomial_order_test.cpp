@@ -4,7 +4,7 @@
 
 #include <string>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 template <int D>
@@ -66,4 +66,4 @@ TEST(PolynomialOrder, SavesMostInnerProducts) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

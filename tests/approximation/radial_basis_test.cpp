@@ -5,11 +5,11 @@
 #include <limits>
 
 #include "approximation/approximation_samples.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::smooth;
@@ -243,4 +243,4 @@ TEST(RbfInterpolant, BadInput) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

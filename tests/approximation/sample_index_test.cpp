@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "approximation/approximation_samples.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 template <int D>
@@ -71,4 +71,4 @@ TEST(SampleIndex, RefusesWhatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

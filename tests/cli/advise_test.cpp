@@ -4,7 +4,7 @@
 #include <sstream>
 
 #include "run_tool.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "support/clouds.h"
 
 namespace sansmesh::test {

@@ -5,7 +5,7 @@
 
 #include "ball_volume.h"
 #include "run_tool.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/mesh_shapes.h"
 

@@ -4,7 +4,7 @@
 
 #include "ball_volume.h"
 #include "run_tool.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/read_volume.h"
 
 namespace sansmesh::test {

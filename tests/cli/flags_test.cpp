@@ -3,7 +3,7 @@
 #include <sstream>
 
 #include "run_tool.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/model/surface_method.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_tool.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 #include "support/png_file.h"
 
 namespace sansmesh::test {

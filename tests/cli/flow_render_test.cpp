@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_tool.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 
 namespace sansmesh::test {
 namespace {

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "run_tool.h"
-#include "sansmesh/core/vec.h"
 #include "sansmesh/io/read_volume.h"
+#include "sansmesh/vec.h"
 
 namespace sansmesh::test {
 namespace {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "run_tool.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "run_tool.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
 #include "support/sanitizers.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "run_tool.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
 

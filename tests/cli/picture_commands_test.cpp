@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "run_tool.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "support/mesh_shapes.h"
 #include "support/png_file.h"
 

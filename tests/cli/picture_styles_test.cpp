@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "run_tool.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/render/lighting.h"
 #include "support/mesh_shapes.h"
 #include "support/png_file.h"

@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "run_tool.h"
-#include "sansmesh/data/affine_map.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/affine_map.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/transform_file.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/mesh_shapes.h"

@@ -8,7 +8,7 @@
 
 #include "run_tool.h"
 #include "sansmesh/dynamics/tet_geometry.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/read_volume.h"
 #include "support/png_file.h"
 

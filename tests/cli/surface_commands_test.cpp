@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "run_tool.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"

@@ -4,7 +4,7 @@
 #include <random>
 
 #include "run_tool.h"
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 #include "sansmesh/io/write_volume.h"
 
 namespace sansmesh::test {

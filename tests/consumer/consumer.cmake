@@ -8,7 +8,7 @@ endfunction()
 
 file(REMOVE_RECURSE ${WORK})
 step(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
-if(NOT EXISTS ${WORK}/prefix/include/sansmesh/core/vec.h)
+if(NOT EXISTS ${WORK}/prefix/include/sansmesh/vec.h)
   message(FATAL_ERROR "headers were not installed under their include paths")
 endif()
 foreach(name LICENSE THIRD_PARTY.md)

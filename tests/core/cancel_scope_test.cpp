@@ -7,7 +7,7 @@
 
 #include "sansmesh/core/parallel.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(CancelScope, EndsLoopsOnAnyNumberOfThreads) {
@@ -65,4 +65,4 @@ TEST(CancelScope, WithoutOneNothingIsHeard) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

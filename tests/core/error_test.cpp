@@ -1,5 +1,5 @@
 // What of a file or a user gets into a message, and how.
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "support/clean_text.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::is_clean;
@@ -77,4 +77,4 @@ TEST(FileError, KeepsItsNameHoweverLong) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 template <class Pair>
@@ -79,4 +79,4 @@ TYPED_TEST(IndexIn, TheWholePartIsTheNearestThatTheTypeHolds) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

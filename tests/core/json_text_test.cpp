@@ -5,7 +5,7 @@
 
 #include "support/clean_text.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::string error_of(const std::string& text) {
@@ -44,4 +44,4 @@ TEST(JsonText, AnyTruncationAndAnyByteIsOneLine) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 
 #include <random>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 Vec3 random_vector(std::mt19937_64& random) {
@@ -40,4 +40,4 @@ TEST(Matrix3, WithoutADeterminantTheAnswerIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(NumberWords, DigitsStandInGroupsOfThree) {
@@ -24,4 +24,4 @@ TEST(NumberWords, OnlyOneIsSingular) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -20,7 +20,7 @@
 #include "sansmesh/core/parallel.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(ThreadsInAHost, NoMoreThreadsTakePartThanWereAskedFor) {
@@ -119,5 +119,5 @@ TEST(ThreadsInAHost, WhoWaitsInALoopIsNotGivenTasksOfAHost) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1
 #endif

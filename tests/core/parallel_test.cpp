@@ -14,10 +14,10 @@
 #include "core/parallel_test_tools.h"
 #include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/parallel_backend.h"
-#include "sansmesh/core/progress.h"
+#include "sansmesh/progress.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(Parallel, VisitsEveryIndexOnce) {
@@ -270,4 +270,4 @@ TEST(Progress, RecordsStagesInOrder) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/csg/csg_functions.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -183,4 +183,4 @@ TEST(Algebra, BlendsAddWhatTheirFormulaSays) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -11,7 +11,7 @@
 #include "sansmesh/field/piecewise_field.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -228,4 +228,4 @@ TEST(Group, AnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

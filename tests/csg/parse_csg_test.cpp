@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "csg/catalogue.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/piece_expression.h"
 #include "support/clean_text.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -284,4 +284,4 @@ TEST(ParseCsg, MessagesQuoteAnythingInOnePrintableLine) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

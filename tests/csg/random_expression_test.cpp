@@ -14,7 +14,7 @@
 #include "sansmesh/csg/parse_csg.h"
 #include "sansmesh/field/piece_expression.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -246,4 +246,4 @@ TEST(RandomExpression, SaysWhatItsPartsSay) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

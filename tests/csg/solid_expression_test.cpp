@@ -10,7 +10,7 @@
 #include "sansmesh/field/piece_expression.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -116,4 +116,4 @@ TEST(SolidExpression, BlendsKnowTheBallsThatTheyAre) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,11 +10,11 @@
 #include <numbers>
 
 #include "csg/catalogue.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -409,4 +409,4 @@ TEST(Solid, DirectionsNextToAnAxisAreUnit) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,15 +1,15 @@
-#include "sansmesh/data/affine_map.h"
+#include "sansmesh/affine_map.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/error.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 const AffineMap kGeneral{{1, 0.5, -0.25}, {0.25, 2, 0.5}, {-0.5, 0.125, -3}, {10, -20, 30}};
@@ -89,4 +89,4 @@ TEST(AffineMap, RefusesWhatCannotBeUndone) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

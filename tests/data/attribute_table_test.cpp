@@ -1,4 +1,4 @@
-#include "sansmesh/data/attribute_table.h"
+#include "sansmesh/attribute_table.h"
 
 #include <gtest/gtest.h>
 
@@ -6,9 +6,9 @@
 #include <limits>
 #include <numeric>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// 0, 1, …, n·components − 1 in every type, with one and with three components.
@@ -227,4 +227,4 @@ TEST(AttributeTable, RowsOfTablesThatAgreeOnNamesOnly) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,11 +1,11 @@
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(Image, LevelsComeBack) {
@@ -61,4 +61,4 @@ TEST(PixelMap, RowsFollowEachOther) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

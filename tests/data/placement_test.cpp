@@ -1,4 +1,4 @@
-#include "sansmesh/data/placement.h"
+#include "sansmesh/placement.h"
 
 #include <gtest/gtest.h>
 
@@ -7,11 +7,11 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/triangle_mesh.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
@@ -209,4 +209,4 @@ TEST(Placement, AnyThreadsMoveTheSame) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

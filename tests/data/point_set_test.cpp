@@ -1,10 +1,10 @@
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
 #include <gtest/gtest.h>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(RemoveSamples, KeepsAttributesAndTrianglesTogether) {
@@ -33,4 +33,4 @@ TEST(RemoveSamples, KeepsAttributesAndTrianglesTogether) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,11 +7,11 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/clean_text.h"
 #include "volume/volume_grids.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 GridData with_arrays() {
@@ -132,4 +132,4 @@ TEST(IsosurfaceName, MessagesQuoteAnythingInOnePrintableLine) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

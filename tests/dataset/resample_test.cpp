@@ -6,11 +6,11 @@
 #include <limits>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_dataset.h"
+#include "sansmesh/error.h"
 #include "volume/volume_grids.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::shared_ptr<const VolumeField> linear_field(GridData data) {
@@ -70,4 +70,4 @@ TEST(Resample, HasEqualStepsOrTheSizesAskedFor) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,9 +8,9 @@
 #include <limits>
 #include <string>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 double signed_volume(const TetMesh& m, std::size_t t) {
@@ -102,4 +102,4 @@ TEST(TetDataset, SaysWhyNot) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

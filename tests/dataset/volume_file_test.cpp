@@ -9,14 +9,14 @@
 #include <vector>
 
 #include "io/io_test_tools.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_dataset.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/section_file.h"
 #include "support/any_threads.h"
 #include "support/section_bytes.h"
 #include "volume/volume_checks.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -260,4 +260,4 @@ TEST_F(VolumeFile, LeavesNothingBehindWhereItCannotBeWritten) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

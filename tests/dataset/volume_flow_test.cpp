@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "sansmesh/core/cancel_scope.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/core/progress.h"
+#include "sansmesh/error.h"
 #include "sansmesh/flow/flow_lines.h"
 #include "sansmesh/flow/flow_surface.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kStepBytes = 1000;
@@ -305,4 +305,4 @@ TEST(FlowInTime, ParticlesTracedAheadAreOnTheSurface) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -12,15 +12,15 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_dataset.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 #include "volume/volume_grids.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr Vec3 kMiddle{0.52, 0.5, 0.47};
@@ -307,4 +307,4 @@ TEST(VolumeSurface, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

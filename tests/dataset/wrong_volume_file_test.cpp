@@ -10,15 +10,15 @@
 #include <vector>
 
 #include "io/io_test_tools.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/dataset/volume_file.h"
+#include "sansmesh/error.h"
 #include "sansmesh/io/read_volume.h"
 #include "sansmesh/io/section_file.h"
 #include "support/section_bytes.h"
 #include "volume/volume_grids.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -250,4 +250,4 @@ TEST_F(WrongVolumeFile, Descriptions) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

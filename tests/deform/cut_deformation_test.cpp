@@ -21,7 +21,7 @@
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::random_point;
@@ -390,4 +390,4 @@ TEST(CutDeformation, PlacesThatAreNotFiniteAreAnswered) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include <limits>
 
 #include "deform/cut_support.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::blocked;
@@ -259,4 +259,4 @@ TEST(Polygon, HolesLieWithinTheOutlineAndApart) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

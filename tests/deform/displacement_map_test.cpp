@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "deform/handle_sets.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 
 namespace sansmesh::test {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "deform/handle_sets.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
 namespace sansmesh::test {
 namespace {

@@ -7,12 +7,12 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/deform/handle_shapes.h"
+#include "sansmesh/error.h"
+#include "sansmesh/progress.h"
 #include "support/mesh_checks.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -198,4 +198,4 @@ TEST(HandleFile, DirectionsReadBackAsTheyWereWritten) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -83,4 +83,4 @@ TEST(HandleMotion, WhatIsLeftOfABodyGrowsWithTheWay) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

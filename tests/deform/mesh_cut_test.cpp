@@ -6,12 +6,12 @@
 #include <numbers>
 
 #include "deform/cut_support.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/deform/mesh_occluder.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::blocked;
@@ -221,4 +221,4 @@ TEST(MeshCut, BadOnesAreRefused) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

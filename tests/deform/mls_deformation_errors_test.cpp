@@ -6,7 +6,7 @@
 #include <string>
 
 #include "deform/handle_sets.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
 namespace sansmesh::test {
 namespace {

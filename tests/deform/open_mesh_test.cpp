@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "deform/cut_support.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/deform/mesh_occluder.h"
 #include "sansmesh/deform/open_mesh.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/deformed_mesh.h"
 #include "sansmesh/mesh/mesh_size.h"
@@ -18,7 +18,7 @@
 #include "support/mesh_checks.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Cuts = std::vector<std::shared_ptr<const Occluder>>;
@@ -446,4 +446,4 @@ TEST(FillPlanar, HolesAndTurns) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

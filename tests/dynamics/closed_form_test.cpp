@@ -7,7 +7,7 @@
 
 #include "dynamics/body_checks.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::ideal;
@@ -187,4 +187,4 @@ TEST(ClosedForm, BarVibratesAsTheoryOfBeamsSays) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "dynamics/body_checks.h"
 #include "sansmesh/dynamics/stable_step.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::kAllIntegrators;
@@ -201,4 +201,4 @@ TEST(Contact, FloorsDoNotHoldWhatIsPulledUp) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -12,7 +12,7 @@
 #include "sansmesh/dynamics/polar_rotation.h"
 #include "sansmesh/dynamics/spring_model.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TetMesh little_box() { return box_of_tets({0, 0, 0}, {1, 0.8, 0.6}, 2, 2, 1); }
@@ -208,4 +208,4 @@ TEST(PolarRotation, LeavesHalfTurnsAndMirrors) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

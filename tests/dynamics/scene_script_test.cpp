@@ -9,12 +9,12 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/dynamics/soft_body.h"
 #include "sansmesh/dynamics/suited_options.h"
 #include "sansmesh/dynamics/tet_geometry.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A box of 3 × 2 × 2 vertices, from 0 to (2, 1, 1), whose file counts from 10.
@@ -245,4 +245,4 @@ TEST(SceneScript, AutomaticStepsOfExplicitMethodsGainNoEnergy) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

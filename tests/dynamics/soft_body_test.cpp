@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "dynamics/body_checks.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::ideal;
@@ -386,4 +386,4 @@ TEST(SoftBody, VerticesWithoutTetrahedraStay) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

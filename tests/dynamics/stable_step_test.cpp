@@ -9,10 +9,10 @@
 #include <vector>
 
 #include "dynamics/body_checks.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/dynamics/vibration_bounds.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::ideal;
@@ -142,4 +142,4 @@ TEST(StableStep, IsToldWhereABodyExplodes) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

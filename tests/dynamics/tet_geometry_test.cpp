@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "dynamics/body_checks.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// An uneven mesh without symmetries.
@@ -94,4 +94,4 @@ TEST(TetGeometry, TurnedOnesAreTurnedBack) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

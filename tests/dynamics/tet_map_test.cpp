@@ -6,13 +6,13 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/dynamics/tet_embedding.h"
 #include "sansmesh/dynamics/tet_geometry.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A twisted bar: its vertices at rest and moved.
@@ -172,4 +172,4 @@ TEST(TetEmbedding, CarriesPointsAndTheirNormals) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

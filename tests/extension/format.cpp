@@ -9,7 +9,7 @@
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/input.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 PointSet read_triples(const io::Input& in) {
@@ -49,4 +49,4 @@ const Registered<FormatInfo> triples({.name = "triples",
                                       }});
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,11 +6,11 @@
 
 #include "cloud_input.h"
 #include "command.h"
-#include "sansmesh/core/progress.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
+#include "sansmesh/progress.h"
 #include "schema_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 enum class Axis { x, y, z };
@@ -60,4 +60,4 @@ cli::Command add_shift(cli::CommandLine& app) {
 const Registered<cli::CommandEntry> command({.name = "shift", .add = add_shift});
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

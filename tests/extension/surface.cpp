@@ -10,7 +10,7 @@
 #include "sansmesh/model/surface_method.h"
 #include "sansmesh/model/surface_options.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kNeighbours = 10;
@@ -69,4 +69,4 @@ const Registered<SurfaceMethod> shepard({.name = "shepard",
                                          .uses = kUses});
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "sansmesh/volume/reconstruction_input.h"
 #include "sansmesh/volume/volume_method.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 class MeanField : public VolumeField {
@@ -49,4 +49,4 @@ const Registered<VolumeMethod> mean(
     {.name = "mean", .summary = "the mean of all samples", .grids = "all", .make = make_mean});
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kRing = 1, kTube = 0.35;
@@ -98,4 +98,4 @@ TEST(FieldCurvature, WrongInputIsNamed) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "csg/catalogue.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/inverse_map.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "support/space_maps.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -303,4 +303,4 @@ TEST(MapStretch, IsTheLargestSingularValue) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/field/map_gaps.h"
 #include "support/space_maps.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -108,4 +108,4 @@ TEST(DeformedVolume, GapsAreNotInside) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

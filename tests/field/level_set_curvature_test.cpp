@@ -7,12 +7,12 @@
 #include <numbers>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/partition_fit.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A function given by a formula for its value and its gradient.
@@ -153,4 +153,4 @@ TEST(LevelSetCurvature, StepsMustBePositive) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,5 +1,5 @@
 // The contract of vector fields, on one that is known in closed form.
-#include "sansmesh/field/vector_field.h"
+#include "sansmesh/vector_field.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Inside the unit ball, for 0 ≤ t ≤ 2: a rotation by ω that grows with time, and a flow out of the middle.
@@ -131,4 +131,4 @@ TEST(VectorField, IsSteadyUnlessItSaysOtherwise) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// (x y, z², −x) and its derivatives.
@@ -78,4 +78,4 @@ TEST(VolumeField, RangesAreUnknownUnlessAFieldKnowsThem) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

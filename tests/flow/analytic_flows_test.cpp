@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 struct Asked {
@@ -85,4 +85,4 @@ TEST(AnalyticFlows, EndWhereTheyEnd) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

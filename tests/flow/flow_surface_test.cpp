@@ -13,13 +13,13 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/flow/analytic_flows.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kHalfTurn = std::numbers::pi;
@@ -797,4 +797,4 @@ TEST(FlowSurface, RefusesBadOptionsAndSeeds) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

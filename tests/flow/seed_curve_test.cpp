@@ -5,9 +5,9 @@
 #include <limits>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(SeedCurve, IsByLength) {
@@ -43,4 +43,4 @@ TEST(SeedCurve, RefusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

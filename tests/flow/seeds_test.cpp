@@ -4,10 +4,10 @@
 
 #include <string>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/clean_text.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 const Box3 kBox{{0, 0, 0}, {4, 2, 1}};
@@ -74,4 +74,4 @@ TEST(Seeds, MessagesQuoteAnythingInOnePrintableLine) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

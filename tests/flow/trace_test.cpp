@@ -7,11 +7,11 @@
 #include <numbers>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/flow/analytic_flows.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -262,4 +262,4 @@ TEST(Trace, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/diagnose_function.h"
 #include "sansmesh/function/edit_script.h"
 #include "sansmesh/function/mesh_function.h"

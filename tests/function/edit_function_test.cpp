@@ -8,11 +8,11 @@
 #include <random>
 
 #include "function/edit_shapes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/partition_of_unity.h"
 #include "support/same_bytes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -302,4 +302,4 @@ TEST(FunctionEditor, FailuresLeaveTheFunctionAsItWas) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

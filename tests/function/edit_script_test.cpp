@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/edit_function.h"
 #include "sansmesh/function/edit_script.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(EditScript, EveryFieldThereAndBack) {
@@ -222,4 +222,4 @@ TEST(EditScript, DamagedTextEndsInAnErrorOrAScript) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

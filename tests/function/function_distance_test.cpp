@@ -11,7 +11,7 @@
 #include "sansmesh/csg/parse_csg.h"
 #include "sansmesh/function/function_solid.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_csg.h"
@@ -20,7 +20,7 @@
 #include "support/places.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 struct Fitted {
@@ -223,4 +223,4 @@ TEST(FunctionDistance, OnlyOffsetsAndShellsAskForIt) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

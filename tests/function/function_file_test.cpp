@@ -14,7 +14,7 @@
 #include "support/same_bytes.h"
 #include "support/section_bytes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -257,4 +257,4 @@ TEST(FunctionFile, WritesNothingThatCannotBeRead) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,13 +8,13 @@
 
 #include "function/edit_shapes.h"
 #include "function/mesh_sets.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/clip_mesh.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -216,4 +216,4 @@ TEST(MeshFunction, DepthMakesItCoarser) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

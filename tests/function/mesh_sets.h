@@ -8,8 +8,8 @@
 #include <set>
 
 #include "sansmesh/core/boxes.h"
-#include "sansmesh/data/triangle_mesh.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::test {
 

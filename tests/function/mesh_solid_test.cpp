@@ -7,14 +7,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "support/edged_shapes.h"
 #include "support/mesh_checks.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 Solid solid_of(const TriangleMesh& mesh, bool rounded = false) {
@@ -160,4 +160,4 @@ TEST(MeshSolid, ClosesHolesAndTurnsOver) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -18,7 +18,7 @@
 #include "support/places.h"
 #include "support/same_bytes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -165,4 +165,4 @@ TEST(OpenFunction, SamplesWithoutSurfaceAreCountedAndFound) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

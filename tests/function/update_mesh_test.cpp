@@ -7,7 +7,7 @@
 #include "function/mesh_sets.h"
 #include "io/io_test_tools.h"
 #include "sansmesh/core/boxes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/update_mesh.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_topology.h"
@@ -15,7 +15,7 @@
 #include "support/mesh_shapes.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -359,4 +359,4 @@ TEST(UpdateMesh, ColorsComeAlong) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

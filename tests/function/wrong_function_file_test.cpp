@@ -10,7 +10,7 @@
 #include "sansmesh/function/surface_function.h"
 #include "support/section_bytes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -290,4 +290,4 @@ TEST_F(WrongContents, TextThatIsNoDescription) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include "io/io_test_tools.h"
 #include "sample_files.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -312,4 +312,4 @@ TEST(Attributes, ThatAreNumberedStayApartWhereTheirNameIsTaken) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include <sys/wait.h>
 
 #include "sample_files.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -397,4 +397,4 @@ TEST(Writing, CheckLeavesNoTrace) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 
 #include "sample_files.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -302,4 +302,4 @@ TEST(Alignment, EveryScanMeetsTheShape) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

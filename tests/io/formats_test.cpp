@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/io/read_volume.h"
 
 namespace sansmesh::test {

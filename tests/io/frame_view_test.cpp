@@ -9,7 +9,7 @@
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -165,4 +165,4 @@ TEST(Frames, EachFileIsAScanOfItsOwn) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

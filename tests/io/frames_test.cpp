@@ -6,7 +6,7 @@
 #include "sansmesh/io/read_volume.h"
 #include "sansmesh/io/write_tets.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -180,4 +180,4 @@ TEST(AnimatedPng, WhatCannotBe) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

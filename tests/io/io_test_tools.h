@@ -12,8 +12,8 @@
 #include <sstream>
 #include <string>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "support/clean_text.h"
 
 namespace sansmesh::test {

@@ -3,7 +3,7 @@
 #include "support/las_file.h"
 #include "support/places.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -280,4 +280,4 @@ TEST(LasAttributes, OfFilesByOthers) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

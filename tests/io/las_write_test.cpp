@@ -5,7 +5,7 @@
 #include "io_test_tools.h"
 #include "support/las_file.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -155,4 +155,4 @@ TEST(LasWriter, AdjustedTimesOfLongAgoAreNoneOfTheWeek) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include "io_test_tools.h"
 #include "support/las_file.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -77,4 +77,4 @@ TEST(LeftOut, ColoursOfSixteenBitsThatAreBytesStayThem) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "sample_files.h"
 #include "support/las_file.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -230,4 +230,4 @@ TEST(MergedFiles, ErrorsNameTheFile) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

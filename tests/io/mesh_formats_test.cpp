@@ -1,7 +1,7 @@
 // Reading OBJ, OFF, STL and VTP.
 #include "sample_files.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -224,4 +224,4 @@ TEST(Vtp, BadFiles) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,11 +2,11 @@
 #include <fmt/format.h>
 
 #include "sample_files.h"
-#include "sansmesh/data/cell_list.h"
+#include "sansmesh/cell_list.h"
 #include "support/places.h"
 #include "volume_test_tools.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -295,4 +295,4 @@ TEST(ExtraNek5000, EddyHasItsElements) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -15,7 +15,7 @@
 #include "sansmesh/io/output_batch.h"
 #include "sansmesh/io/staging.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -356,4 +356,4 @@ TEST_F(Pipes, ThatCannotBeOpenedAgainAreWrittenAsTheyAre) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,7 +1,7 @@
 // PLOT3D in all of its layouts, written here.
 #include "volume_test_tools.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -302,4 +302,4 @@ TEST(VolumeFiles, SeriesOfFilesHaveTimes) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,7 +1,7 @@
 // Reading PLY.
 #include "sample_files.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -245,4 +245,4 @@ TEST(Ply, AbsurdListLengths) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,7 +3,7 @@
 
 #include "sample_files.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -425,4 +425,4 @@ TEST(Gzip, BadFiles) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,10 +7,10 @@
 #include <fstream>
 #include <string>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/places.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::string written(const std::string& name, const std::string& text) {
@@ -51,4 +51,4 @@ TEST(PointTable, NamesTheLineThatIsWrong) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

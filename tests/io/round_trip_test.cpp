@@ -2,11 +2,11 @@
 #include <nlohmann/json.hpp>
 
 #include "sample_files.h"
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 #include "support/any_threads.h"
 #include "support/png_file.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -365,4 +365,4 @@ TEST(Text, AppearsWholeAndReplaces) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "support/any_threads.h"
 #include "support/section_bytes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -251,4 +251,4 @@ TEST_F(SectionFiles, SameBytesWhateverTheThreads) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include "io_test_tools.h"
 #include "support/places.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -65,4 +65,4 @@ TEST(ExtraAlignment, EveryScanMeetsTheZipperedModel) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "support/mesh_checks.h"
 #include "support/places.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -169,4 +169,4 @@ TEST(ShippedFiles, BundledScan) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

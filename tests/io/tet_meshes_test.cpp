@@ -6,7 +6,7 @@
 #include "sansmesh/io/vertex_list.h"
 #include "volume_test_tools.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -437,4 +437,4 @@ TEST(MeshReaders, SayWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

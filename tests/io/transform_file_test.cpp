@@ -1,9 +1,9 @@
 #include "sansmesh/io/transform_file.h"
 
 #include "io_test_tools.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -52,4 +52,4 @@ TEST(TransformFile, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

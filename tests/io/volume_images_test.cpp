@@ -5,7 +5,7 @@
 
 #include "volume_test_tools.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Of entry i of the lattice of 5 × 4 × 3 that `counting(60)` fills.
@@ -293,4 +293,4 @@ TEST(Images, WhatHeadersMayNotSay) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

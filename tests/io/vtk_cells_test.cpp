@@ -6,7 +6,7 @@
 
 #include "vtk_test_files.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -247,4 +247,4 @@ TEST(VtkCells, CellsOfPointsThatAreNotThere) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,7 +3,7 @@
 
 #include "vtk_test_files.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -160,4 +160,4 @@ TEST(VtkSizes, MetadataOfLegacyFieldsAreNoArrays) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

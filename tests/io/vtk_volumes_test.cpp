@@ -6,7 +6,7 @@
 #include "support/places.h"
 #include "vtk_test_files.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -583,4 +583,4 @@ TEST(VtkModuleDeathTest, WithoutItOneLineSaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

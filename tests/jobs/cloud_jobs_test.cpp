@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/curvature.h"
 #include "sansmesh/jobs/info.h"
 #include "sansmesh/jobs/normals.h"

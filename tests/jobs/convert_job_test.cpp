@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/split.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"

@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/read_cut.h"
 #include "sansmesh/jobs/read_deformation.h"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/flow/analytic_flows.h"
 #include "sansmesh/jobs/flow_lines.h"
 #include "sansmesh/jobs/flow_model.h"

@@ -7,7 +7,7 @@
 #include <memory>
 #include <numbers>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/jobs/csg.h"
 #include "sansmesh/jobs/diagnose.h"

@@ -1,7 +1,7 @@
 // Jobs around a mesh: what they report beside the mesh. How good the meshes are is told by tests/mesh.
 #include <gtest/gtest.h>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/simplify.h"
 #include "sansmesh/jobs/smooth.h"
 #include "support/mesh_shapes.h"

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/render.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"

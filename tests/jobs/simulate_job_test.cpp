@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/dynamics/tet_geometry.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/motion_pictures.h"
 #include "sansmesh/jobs/simulate.h"
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/jobs/align.h"
 #include "sansmesh/jobs/align_picture.h"

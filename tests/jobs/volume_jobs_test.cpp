@@ -9,8 +9,8 @@
 
 #include "io/io_test_tools.h"
 #include "jobs/volume_models.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/dataset/volume_file.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/fit_volume.h"
 #include "sansmesh/jobs/probe_volume.h"
 #include "sansmesh/jobs/resample.h"

@@ -6,12 +6,12 @@
 #include <numbers>
 
 #include "measure/measure_shapes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/placed_field.h"
 #include "sansmesh/measure/section.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using std::numbers::pi;
@@ -229,4 +229,4 @@ TEST(PlacedField, IsTheFieldElsewhere) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

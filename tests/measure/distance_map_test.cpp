@@ -6,14 +6,14 @@
 #include <numeric>
 
 #include "measure/measure_shapes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/measure/field_signed_distance.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/mesh/refine_edges.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 DistanceMap compare(const TriangleMesh& part, const TriangleMesh& reference, const DistanceMapOptions& options = {}) {
@@ -228,4 +228,4 @@ TEST(RefineEdges, ShortEdgesSameSurface) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/triangle_mesh.h"
 #include "support/mesh_shapes.h"
 
 namespace sansmesh::test {

@@ -3,11 +3,11 @@
 #include <numbers>
 
 #include "measure/measure_shapes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/measure/section.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using std::numbers::pi;
@@ -115,4 +115,4 @@ TEST(SectionField, DoesNotDependOnTheNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

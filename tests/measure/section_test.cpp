@@ -8,11 +8,11 @@
 #include <string>
 
 #include "measure/measure_shapes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 #include "support/clean_text.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using std::numbers::pi;
@@ -244,4 +244,4 @@ TEST(CutPlane, MessagesQuoteAnythingInOnePrintableLine) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

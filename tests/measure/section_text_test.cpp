@@ -6,9 +6,9 @@
 #include <sstream>
 
 #include "measure/measure_shapes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::size_t count_of(const std::string& text, const std::string& word) {
@@ -119,4 +119,4 @@ TEST(SectionText, RoundLengths) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

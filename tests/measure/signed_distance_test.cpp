@@ -5,7 +5,7 @@
 #include <random>
 
 #include "measure/measure_shapes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/field/placed_field.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
@@ -13,7 +13,7 @@
 #include "sansmesh/measure/points_signed_distance.h"
 #include "support/clouds.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 MeasuredPoint ask(const SignedDistance& surface, const Vec3& x, double farthest = 100) {
@@ -387,4 +387,4 @@ TEST(FieldDistance, FarAndLostAreToldApart) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

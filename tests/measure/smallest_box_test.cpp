@@ -7,11 +7,11 @@
 #include <random>
 
 #include "measure/measure_shapes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/measure/body_measures.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Axes = std::array<Vec3, 3>;
@@ -161,4 +161,4 @@ TEST(SmallestBox, DoesNotDependOnTheNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

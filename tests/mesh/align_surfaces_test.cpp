@@ -9,8 +9,8 @@
 #include <tuple>
 #include <utility>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/data/affine_map.h"
+#include "sansmesh/affine_map.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/refine_edges.h"
 #include "sansmesh/points/point_features.h"

@@ -8,13 +8,13 @@
 #include <numbers>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
@@ -98,4 +98,4 @@ TEST(SpreadVertices, AreNoNearerThanTheSpacingAndLeaveNoGaps) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// [-1, 1]² in the plane, in n × n squares of two triangles.
@@ -92,4 +92,4 @@ TEST(ClipMesh, OfNothingAboveLeavesNothing) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

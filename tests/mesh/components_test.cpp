@@ -4,7 +4,7 @@
 
 #include "support/mesh_checks.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A tetrahedron of edge about `size` at (x, 0, 0), appended.
@@ -82,4 +82,4 @@ TEST(Components, FansThatMeetInAVertexAreSeparated) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

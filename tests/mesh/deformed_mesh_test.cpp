@@ -6,11 +6,11 @@
 #include <limits>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/mesh_checks.h"
 #include "support/space_maps.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -125,4 +125,4 @@ TEST(DeformedMesh, WhereTheMapIsNotDefinedVerticesStay) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

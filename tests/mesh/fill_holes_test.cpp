@@ -6,7 +6,7 @@
 #include <functional>
 #include <numbers>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/place_edges.h"
 #include "support/any_threads.h"

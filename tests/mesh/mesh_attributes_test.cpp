@@ -5,14 +5,14 @@
 #include <numeric>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/core/progress.h"
 #include "sansmesh/mesh/clip_mesh.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/refine_edges.h"
 #include "sansmesh/mesh/simplify.h"
+#include "sansmesh/progress.h"
 #include "support/mesh_checks.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 double linear(const Vec3f& v) {
@@ -137,4 +137,4 @@ TEST(MeshAttributes, FollowSimplification) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,12 +5,12 @@
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kPlaces = 50000;
@@ -145,4 +145,4 @@ TEST(MeshCoverage, BadInput) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,13 +6,13 @@
 #include <limits>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 SurfaceDistance measure(const TriangleMesh& a, const TriangleMesh& b, std::size_t samples = 20000) {
@@ -197,4 +197,4 @@ TEST(MeshDistance, BadInput) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TriangleMesh triangle(const Vec3f& a, const Vec3f& b, const Vec3f& c) {
@@ -72,4 +72,4 @@ TEST(MeshQuality, AreaAndVolumeOfTheSphereConverge) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

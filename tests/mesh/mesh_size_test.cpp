@@ -8,7 +8,7 @@
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(MeshSize, OfATetrahedronAnywhere) {
@@ -52,4 +52,4 @@ TEST(MeshSize, LeavesOutWhatHasNoArea) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

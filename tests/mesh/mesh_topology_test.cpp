@@ -9,7 +9,7 @@
 #include "support/mesh_checks.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(MeshTopology, SphereAndTorusHaveTheirGenus) {
@@ -120,4 +120,4 @@ TEST(MeshTopology, DoesNotDependOnTheNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "function/mesh_sets.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -186,4 +186,4 @@ TEST(ReplaceRegion, AttributesComeAlong) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <mutex>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TriangleMesh tetrahedra(const std::vector<Vec3f>& at, float size) {
@@ -51,4 +51,4 @@ TEST(SelfIntersections, FindsEdgesThroughTriangles) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::octasphere;
@@ -110,4 +110,4 @@ TEST(SewnMesh, DoesNotDependOnTheNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,14 +9,14 @@
 #include <numbers>
 #include <numeric>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TriangleMesh simplified(TriangleMesh mesh, double error, std::size_t triangles = 0) {
@@ -346,4 +346,4 @@ TriangleMesh grid_cube(std::uint32_t n) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/refine_edges.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"

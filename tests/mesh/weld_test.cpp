@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_topology.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A unit tetrahedron of which each face has corners of its own, and its own colours and normals.
@@ -83,4 +83,4 @@ TEST(Weld, TrianglesThatShrinkGoWithTheirAttributes) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(ComponentWords, GoThereAndBack) {
@@ -21,4 +21,4 @@ TEST(ComponentWords, GoThereAndBack) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -11,15 +11,15 @@
 #include <vector>
 
 #include "csg/catalogue.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/csg/parse_csg.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/self_intersections.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace csg;
@@ -703,4 +703,4 @@ TEST(MeshCsg, WhereTrianglesCrossOnlyThatIsMadeAgain) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -17,7 +17,7 @@
 #include "support/sanitizers.h"
 #include "support/thin_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::shared_ptr<const SurfaceFunction> fitted(const test::ThinShape& shape, double spacing) {
@@ -107,4 +107,4 @@ INSTANTIATE_TEST_SUITE_P(Meshing, SteepFunctions,
                          [](const auto& of) { return std::string(of.param.name); });
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

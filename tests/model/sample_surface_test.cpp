@@ -9,14 +9,14 @@
 #include <numbers>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/surface_names.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 SurfaceModel model_of(const PointSet& cloud, const std::string& method = "apss") {
@@ -302,4 +302,4 @@ TEST(SampleSurface, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

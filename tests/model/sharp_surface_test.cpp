@@ -9,7 +9,7 @@
 #include <numbers>
 #include <optional>
 
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/mesh/mesh_topology.h"
@@ -20,7 +20,7 @@
 #include "support/places.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kDegrees = 180 / std::numbers::pi;
@@ -202,4 +202,4 @@ TEST(SharpSurface, OfASmoothShapeIsTheSmoothSurface) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

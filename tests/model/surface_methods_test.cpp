@@ -11,14 +11,14 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/clouds.h"
 #include "support/places.h"
 #include "support/surface_names.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(SurfaceMethods, AreFoundByTheirNames) {
@@ -236,4 +236,4 @@ TEST(ReconstructOptions, ThePartitionByNameIsThePartition) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include <functional>
 #include <numbers>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/noise.h"
@@ -18,7 +18,7 @@
 #include "support/sanitizers.h"
 #include "support/surface_names.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 SurfaceModel model_of(const PointSet& cloud, const SurfaceOptions& options) {
@@ -472,4 +472,4 @@ TEST(SurfaceModel, RefusesCloudsWithoutASurface) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

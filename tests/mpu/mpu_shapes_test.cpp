@@ -11,7 +11,7 @@
 #include "sansmesh/mpu/piecewise_shape.h"
 #include "sansmesh/mpu/shape_fits.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 struct Ball {
@@ -180,4 +180,4 @@ TEST(MpuShapes, RangesHoldAllValues) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

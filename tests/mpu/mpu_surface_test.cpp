@@ -9,11 +9,11 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 MpuSurface mpu_of(const PointSet& cloud, const MpuOptions& options = {}) {
@@ -330,4 +330,4 @@ TEST(MpuSurface, RefusesWhatMakesNoSurface) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <random>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 struct CornerSamples {
@@ -98,4 +98,4 @@ TEST(CreaseFit, SeesNoneOnASmoothSurfaceOrInNoise) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -11,7 +11,7 @@
 #include "sansmesh/core/morton.h"
 #include "support/clouds.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::vector<OrientedPatch> sphere_patches(std::size_t n) {
@@ -249,4 +249,4 @@ TEST(GlobalSign, WithoutPatchesEverythingIsOutside) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

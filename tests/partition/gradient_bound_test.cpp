@@ -9,7 +9,7 @@
 
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/surface_function.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/polygonize/polygonize.h"
@@ -17,7 +17,7 @@
 #include "support/sanitizers.h"
 #include "support/thin_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kPoints = 200000;
@@ -159,4 +159,4 @@ TEST(ExtraGradientBound, FertilityReduced) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 
 #include "sansmesh/approximation/orthogonal_polynomials.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 LocalSamples random_samples(std::size_t n, unsigned seed) {
@@ -105,4 +105,4 @@ TEST(LocalFit, StopsWhereTheSamplesDetermineNoMore) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/partition/partition_fit.h"
 #include "support/clouds.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::joined;
@@ -118,4 +118,4 @@ TEST(Openness, TheSideOfASheetIsRightHoweverFarAway) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "sansmesh/core/boxes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/paper_fit.h"
 #include "sansmesh/partition/paper_local.h"
 #include "sansmesh/partition/partition_edit.h"
@@ -13,7 +13,7 @@
 #include "support/clouds.h"
 #include "support/same_bytes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 struct Edited {
@@ -169,4 +169,4 @@ TEST(PaperEdit, PartsAreNotFittedAgain) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,15 +8,15 @@
 #include <random>
 #include <set>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/morton.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/paper_local.h"
 #include "sansmesh/search/brute_force.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/same_bytes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 struct PaperFit {
@@ -394,4 +394,4 @@ TEST(PaperFit, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

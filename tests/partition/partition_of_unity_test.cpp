@@ -6,13 +6,13 @@
 #include <numbers>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/partition/partition_fit.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 PartitionOfUnity fit_cloud(const PointSet& cloud, const PartitionOptions& options = {}) {
@@ -241,4 +241,4 @@ TEST(PartitionOfUnity, RejectsWhatItCannotUse) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

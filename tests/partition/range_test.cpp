@@ -12,7 +12,7 @@
 #include "sansmesh/partition/partition_fit.h"
 #include "support/thin_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Random = std::mt19937_64;
@@ -238,4 +238,4 @@ TEST(PartitionRanges, AreInfiniteWhereNothingCanBeSaid) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

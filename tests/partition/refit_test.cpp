@@ -4,7 +4,7 @@
 
 #include "partition/edit_checks.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -123,4 +123,4 @@ TEST(Refit, FollowsItsOptions) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/core/morton.h"
 #include "sansmesh/partition/neighbour_walk.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::vector<Vec3f> random_points(std::size_t n) {
@@ -127,4 +127,4 @@ TEST(SampleTree, MortonCodesInvert) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 
 #include "partition/edit_checks.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -102,4 +102,4 @@ TEST(SelectSupports, EveryCriterionAndAllTogether) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "sansmesh/partition/sheets.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
@@ -129,4 +129,4 @@ TEST(FindSheets, DoNotDependOnTheThreads) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

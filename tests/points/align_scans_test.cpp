@@ -8,12 +8,12 @@
 #include <numbers>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A bumpy ball: its shape determines every motion.
@@ -251,4 +251,4 @@ TEST(AlignScans, WantsNormalsAndSoundOptions) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

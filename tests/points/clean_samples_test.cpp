@@ -8,7 +8,7 @@
 #include "sansmesh/points/duplicates.h"
 #include "support/clouds.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
@@ -76,4 +76,4 @@ TEST(CleanSamples, WhatIsBesideManyAtOnePlaceIsNotFarAway) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <limits>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/subsample.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::vector<Vec3f> random_points(std::size_t n) {
@@ -115,4 +115,4 @@ TEST(Subsample, TakesSoManyEvenlyAndAlwaysTheSame) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

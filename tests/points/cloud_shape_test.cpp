@@ -7,7 +7,7 @@
 
 #include "points/shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 // A box rotated and moved: its shape must not change.
@@ -77,4 +77,4 @@ TEST(CloudShape, LinesAndPlanesWithGapsAreWhatTheyAre) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

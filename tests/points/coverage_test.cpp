@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// n samples placed at random on the square [0, 1]², but for what `leave_out` says.
@@ -115,4 +115,4 @@ TEST(Coverage, BordersLieAlongTheEdges) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

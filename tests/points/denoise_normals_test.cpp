@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "points/shapes.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/points/spacing.h"
@@ -17,7 +17,7 @@
 #include "support/places.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 double angle(const Vec3f& a, const Vec3f& b) {
@@ -174,4 +174,4 @@ TEST(DenoiseNormals, SurvivesDegenerateInput) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

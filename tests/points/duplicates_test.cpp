@@ -6,7 +6,7 @@
 
 #include "points/shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(Duplicates, AreMarkedAfterTheFirst) {
@@ -59,4 +59,4 @@ TEST(Duplicates, CountOnALattice) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "support/any_threads.h"
 #include "support/clouds.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 PointSet turned(PointSet mesh) {
@@ -105,4 +105,4 @@ TEST(SampleFaces, VerticesOfThinMeshesDoNotSuffice) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

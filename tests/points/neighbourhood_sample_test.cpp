@@ -11,7 +11,7 @@
 #include "sansmesh/points/spacing.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// The different offsets of all positions from a place, in the order that neighbourhoods have.
@@ -96,4 +96,4 @@ TEST(NeighbourhoodSample, AFewBallsAroundAllCostLittle) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

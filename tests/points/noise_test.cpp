@@ -5,7 +5,7 @@
 #include "points/shapes.h"
 #include "sansmesh/points/spacing.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(Noise, IsFoundWithinAFifth) {
@@ -83,4 +83,4 @@ TEST(Noise, OfTooFewSamplesIsZero) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

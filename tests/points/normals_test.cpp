@@ -3,11 +3,11 @@
 #include <gtest/gtest.h>
 
 #include "points/shapes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/local_frame.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Method = NormalOptions::Method;
@@ -139,4 +139,4 @@ TEST(Normals, RefuseBadOptions) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

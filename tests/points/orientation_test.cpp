@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include "points/shapes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/sign_graph.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 void expect_recovered(PointSet points, double fraction) {
@@ -275,4 +275,4 @@ TEST(Orientation, MissingNormals) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

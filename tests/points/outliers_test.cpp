@@ -6,9 +6,9 @@
 #include <numeric>
 
 #include "points/shapes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::size_t count(const std::vector<std::uint8_t>& mask, std::size_t first, std::size_t last) {
@@ -142,4 +142,4 @@ TEST(Outliers, TinyCloudsAreKeptWhole) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

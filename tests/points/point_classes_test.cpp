@@ -6,11 +6,11 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "support/clouds.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 PointClasses of(std::initializer_list<int> numbers) {
@@ -133,4 +133,4 @@ TEST(PointClasses, ArePartOfTheUseOfClouds) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Points of a cube of that edge.
@@ -100,4 +100,4 @@ TEST(PoissonDiscs, HugeCoordinates) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kEdge = 0.1f;
@@ -96,4 +96,4 @@ TEST(SampleConfidence, IsTheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A rectangle 3 × 1 in two triangles, another parallel to it of four times the area, and two triangles that are none.
@@ -107,4 +107,4 @@ TEST(SampleFaces, NormalsFromFacesAreWeightedByArea) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

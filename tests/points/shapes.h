@@ -7,9 +7,9 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Samples without normals.
 inline PointSet cloud(std::vector<Vec3f> positions) {
@@ -91,4 +91,4 @@ inline double fraction_correct(const PointSet& points, const std::vector<Vec3f>&
   return static_cast<double>(correct) / static_cast<double>(truth.size());
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

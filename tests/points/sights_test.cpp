@@ -13,8 +13,8 @@
 #include <utility>
 
 #include "points/shapes.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
 #include "sansmesh/points/flight_lines.h"
 #include "sansmesh/points/height_field.h"
 #include "sansmesh/points/normals.h"
@@ -24,7 +24,7 @@
 #include "support/places.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -394,4 +394,4 @@ TEST(ExtraOrientation, OfRealScansIsThatOfTheirSensors) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

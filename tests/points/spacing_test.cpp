@@ -9,7 +9,7 @@
 #include "sansmesh/search/brute_force.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 double sphere_spacing(std::size_t n) { return std::sqrt(4 * std::numbers::pi / static_cast<double>(n)); }
@@ -89,4 +89,4 @@ TEST(NeighbourhoodSample, DoesNotDependOnTheNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Edge = std::pair<int, int>;
@@ -125,4 +125,4 @@ TEST(CellPolygons, TrianglesFillPolygonsAndAvoidThinOnes) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -17,7 +17,7 @@
 #include "support/mesh_checks.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;  // NOLINT(google-build-using-namespace)
@@ -318,4 +318,4 @@ TEST(CreaseMeshOf, TheSameForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

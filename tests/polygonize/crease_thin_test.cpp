@@ -8,7 +8,7 @@
 
 #include "sansmesh/mesh/mesh_topology.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A flat disc of two rings about vertex 0, closed by a cone below, whose faces are pieces of their own.
@@ -106,4 +106,4 @@ TEST(CreaseThin, BentPartsStay) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include <random>
 #include <set>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::array<int, 3> point(std::uint8_t slot) { return {slot % 5, slot / 5 % 5, slot / 25}; }
@@ -135,4 +135,4 @@ TEST(LatticeNumbering, GivesEachPointOneNumber) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

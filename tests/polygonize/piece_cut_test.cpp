@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/error.h"
-#include "sansmesh/core/progress.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/progress.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Kind = PieceNode::Kind;
@@ -179,4 +179,4 @@ TEST(PieceCut, ValuesThatAreNoDistancesAreAnError) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,13 +9,13 @@
 #include <map>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// By formula: no steeper than `slope` in space and than `speed` in time.
@@ -312,4 +312,4 @@ TEST(SpaceTimeSurface, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

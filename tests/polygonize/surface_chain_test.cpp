@@ -7,7 +7,7 @@
 
 #include "support/mesh_checks.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 ChainVertex v(std::uint32_t a) { return {a, a}; }
@@ -140,4 +140,4 @@ TEST(SurfaceChain, LooksOnlyAroundWhatWasUndoneAndFindsTheSame) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include <functional>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/polygonize/polygonize.h"
@@ -16,7 +16,7 @@
 #include "support/same_bytes.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// A field from a formula, with gradients by differences.
@@ -201,4 +201,4 @@ TEST(WalkSurface, RefusesDisplacementsThatWouldBreakTheLattice) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

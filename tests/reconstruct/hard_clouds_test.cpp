@@ -8,7 +8,7 @@
 #include <functional>
 #include <random>
 
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/points/sample_faces.h"
@@ -16,7 +16,7 @@
 #include "support/places.h"
 #include "support/thin_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
@@ -371,4 +371,4 @@ TEST(HardClouds, DesignedPart) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

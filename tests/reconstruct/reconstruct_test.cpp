@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_options.h"
@@ -16,7 +16,7 @@
 #include "support/clouds.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TriangleMesh run(const PointSet& cloud, const ReconstructOptions& options = {}, ReconstructReport* report = nullptr) {
@@ -388,4 +388,4 @@ TEST(MeshFunction, WritesItsReportAnew) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

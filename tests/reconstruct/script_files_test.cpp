@@ -6,11 +6,11 @@
 
 #include "sansmesh/function/diagnose_function.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/mesh/mesh_coverage.h"
 #include "support/places.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Of all samples, none left out; what counts as lost goes by the function that was fitted.
@@ -46,4 +46,4 @@ INSTANTIATE_TEST_SUITE_P(Scans, ExtraScripts,
                          });
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "render/analytic_surfaces.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/blended_splats.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/mesh_picture.h"
@@ -16,7 +16,7 @@
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kWidth = 81;
@@ -222,4 +222,4 @@ TEST(Accessibility, WrongOptionsAreNamed) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

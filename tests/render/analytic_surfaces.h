@@ -9,8 +9,8 @@
 
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
-#include "sansmesh/field/scalar_field.h"
 #include "sansmesh/render/surface_caster.h"
+#include "sansmesh/scalar_field.h"
 
 namespace sansmesh::test {
 

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/data/triangle_mesh.h"
-#include "sansmesh/field/volume_field.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/volume_field.h"
 
 namespace sansmesh::test {
 

@@ -7,11 +7,11 @@
 #include <random>
 
 #include "render/analytic_volumes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/volume_picture.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::FormulaVolume;
@@ -302,4 +302,4 @@ TEST(BakedVolume, BadRequestsAreNamed) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,11 +7,11 @@
 #include <numbers>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/splat_footprint.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kWide = 120, kHigh = 90;
@@ -296,4 +296,4 @@ TEST(SplatPicture, WrongInputIsNamed) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,9 +6,9 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Place in the picture, −1..1, and distance in front of the camera.
@@ -121,4 +121,4 @@ TEST(Camera, LayersAreLookedAtStraight) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,7 +4,7 @@
 
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TriangleMesh cube() {
@@ -65,4 +65,4 @@ TEST(CornerNormals, SurviveWorthlessInput) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

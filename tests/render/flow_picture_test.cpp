@@ -6,14 +6,14 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/flow_texture.h"
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/splat_scene.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kSize = 160;
@@ -352,4 +352,4 @@ TEST(FlowPicture, IsTheSameForAnyThreads) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

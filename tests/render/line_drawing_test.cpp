@@ -14,7 +14,7 @@
 #include "sansmesh/render/surface_scene.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::sphere_balls;
@@ -268,4 +268,4 @@ TEST(DrawInk, CoversWhatIsThere) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,11 +8,11 @@
 #include <string>
 
 #include "render/picture_levels.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::brightness;
@@ -316,4 +316,4 @@ TEST(MeshPreview, CanBeCancelled) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include "sansmesh/render/mesh_picture.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kSide = 200;
@@ -118,4 +118,4 @@ TEST(MeshWires, SeamsAreDrawnAsOtherEdges) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

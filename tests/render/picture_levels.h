@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdint>
 
-#include "sansmesh/data/image.h"
+#include "sansmesh/image.h"
 
 namespace sansmesh::test {
 

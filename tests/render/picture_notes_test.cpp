@@ -10,7 +10,7 @@
 #include "sansmesh/render/stroke_text.h"
 #include "sansmesh/render/volume_picture.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr Rgba kPaper{1, 1, 1, 1}, kBlack{0, 0, 0, 1};
@@ -265,4 +265,4 @@ TEST(PictureNotes, TitlesCanBeReadOnWhateverIsBehindThem) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "render/analytic_volumes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/picture_crop.h"
 #include "sansmesh/render/picture_surfaces.h"
@@ -19,7 +19,7 @@
 #include "support/mesh_shapes.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kPictureWidth = 128, kPictureHeight = 96;
@@ -327,4 +327,4 @@ TEST(ViewOptions, CropIsABoxOrWhatIsNotBackground) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

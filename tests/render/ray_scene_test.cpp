@@ -10,7 +10,7 @@
 
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kEndless = std::numeric_limits<float>::infinity();
@@ -121,4 +121,4 @@ TEST(RayScene, BallsAndDiscsAreWhereTheyShouldBe) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

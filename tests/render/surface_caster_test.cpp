@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "analytic_surfaces.h"
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/stored_rays.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::cast;
@@ -512,4 +512,4 @@ TEST(SurfaceCaster, RefusesBadInput) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

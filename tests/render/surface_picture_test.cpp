@@ -10,14 +10,14 @@
 
 #include "analytic_surfaces.h"
 #include "render/picture_levels.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/painter.h"
 #include "sansmesh/render/ray_scene.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::brightness;
@@ -326,4 +326,4 @@ TEST(SurfacePicture, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

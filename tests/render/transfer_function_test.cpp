@@ -9,7 +9,7 @@
 #include <random>
 
 #include "render/analytic_volumes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/color_space.h"
 #include "sansmesh/render/color_words.h"
 #include "sansmesh/render/lighting.h"
@@ -18,7 +18,7 @@
 #include "sansmesh/render/transfer_table.h"
 #include "support/places.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// −ln(1 − o) over [0, v] for o = v: in closed form.
@@ -322,4 +322,4 @@ TEST(ExtraTransferFunction, EngineAndHeadAreMaterialsBuckyBallIsARange) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/volume_picture.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::constant_volume;
@@ -194,4 +194,4 @@ TEST(VolumeGap, WithoutAnyNothingChanges) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,17 +8,17 @@
 
 #include "render/analytic_volumes.h"
 #include "render/picture_levels.h"
-#include "sansmesh/core/error.h"
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/error.h"
 #include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/transfer_table.h"
 #include "sansmesh/render/volume_tracer.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/volume_boundary.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::ball_volume;
@@ -647,4 +647,4 @@ TEST(VolumePicture, BadRequestsAreNamed) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

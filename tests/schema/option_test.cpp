@@ -1,11 +1,11 @@
-#include "sansmesh/schema/option.h"
+#include "sansmesh/option.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
 namespace sansmesh::test {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 TEST(BallTree, FindsWhatBruteForceFinds) {
@@ -52,4 +52,4 @@ TEST(BallTree, OfNothingFindsNothing) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

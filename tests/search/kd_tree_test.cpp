@@ -8,7 +8,7 @@
 #include "sansmesh/search/brute_force.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 std::vector<Vec3f> random_points(std::size_t n, unsigned seed) {
@@ -136,4 +136,4 @@ TEST(KdTree, EmptyAndCoincident) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

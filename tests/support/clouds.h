@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 #include "support/mesh_shapes.h"
 
 namespace sansmesh::test {

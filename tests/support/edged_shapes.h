@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::test {
 

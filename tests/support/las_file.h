@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
 namespace sansmesh::test {
 

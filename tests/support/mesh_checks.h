@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::test {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <utility>
 
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::test {
 

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/core/note.h"
+#include "sansmesh/note.h"
 
 namespace sansmesh::test {
 

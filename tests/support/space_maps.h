@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/field/space_map.h"
+#include "sansmesh/space_map.h"
 
 namespace sansmesh::test {
 

@@ -9,10 +9,10 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/box.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/poisson_discs.h"
+#include "sansmesh/scalar_field.h"
 
 namespace sansmesh::test {
 

@@ -4,11 +4,11 @@
 
 #include <cmath>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "support/clouds.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 double degrees(const Vec3& a, const Vec3& b) {
@@ -88,4 +88,4 @@ TEST(BilateralNormals, RefuseBadOptions) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

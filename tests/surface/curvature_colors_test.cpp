@@ -4,10 +4,10 @@
 
 #include <cmath>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "surface/curvature_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::Curved;
@@ -88,4 +88,4 @@ TEST(CurvatureColors, OfPlanesAreWhiteAndOfNothingGrey) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,9 +7,9 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/point_set.h"
 #include "sansmesh/points/normals.h"
+#include "sansmesh/progress.h"
 
 namespace sansmesh::test {
 

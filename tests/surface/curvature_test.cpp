@@ -4,13 +4,13 @@
 
 #include <cmath>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 #include "surface/curvature_shapes.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using test::Curved;
@@ -310,4 +310,4 @@ TEST(Curvature, DerivedMeasures) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,14 +4,14 @@
 #include <cmath>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/surface/bilateral_normals.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "source_references.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kWideWeights = 1.5;
@@ -361,4 +361,4 @@ TEST(ImplicitSources, AreRefusedWhereTheyMeanNothing) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,13 +6,13 @@
 #include <cmath>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/surface/iterated_planes.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 ImplicitSurface make(const PointSet& cloud, const ImplicitOptions& options) {
@@ -376,4 +376,4 @@ TEST(ImplicitSurface, LeavesPointsThatAreNotFiniteAlone) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

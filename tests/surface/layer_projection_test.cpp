@@ -6,11 +6,11 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/any_threads.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kSpacing = 0.05;
@@ -190,4 +190,4 @@ TEST(LayerProjection, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

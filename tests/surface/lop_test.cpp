@@ -9,12 +9,12 @@
 #include <numbers>
 
 #include "points/shapes.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 PointSet run(const PointSet& points, const LopOptions& options = {}) {
@@ -189,4 +189,4 @@ TEST(Lop, ChecksItsOptions) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

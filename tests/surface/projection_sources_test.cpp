@@ -5,14 +5,14 @@
 #include <cmath>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/surface/projection_surface.h"
 #include "sansmesh/surface/source_projection.h"
 #include "source_references.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using detail::WeighedSample;
@@ -446,4 +446,4 @@ TEST(ProjectionSources, AreRefusedWhereTheyMeanNothing) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <random>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 ProjectionSurface make(const PointSet& cloud, const ProjectionOptions& options) {
@@ -169,4 +169,4 @@ TEST(CurvatureProjection, RefusesBadOptions) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Of the unit sphere, or of the cylinder of radius 1 around z.
@@ -69,4 +69,4 @@ TEST(SampleCurvature, WrongInputIsNamed) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

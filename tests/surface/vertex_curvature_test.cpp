@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/points/sample_faces.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"

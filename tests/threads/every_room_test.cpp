@@ -34,7 +34,7 @@
 #include "sansmesh/function/function_solid.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/update_mesh.h"
-#include "sansmesh/io/io.h"
+#include "sansmesh/io.h"
 #include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/measure/body_measures.h"
 #include "sansmesh/measure/distance_map.h"
@@ -65,7 +65,7 @@
 #include "support/surface_names.h"
 #include "volume/volume_grids.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 namespace fs = std::filesystem;
@@ -429,4 +429,4 @@ TEST(EveryRoom, FilesAreWrittenAndRead) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

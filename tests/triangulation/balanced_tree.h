@@ -10,7 +10,7 @@
 
 #include "sansmesh/triangulation/j1a.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Balanced over faces and (in three dimensions) edges, but not over corners: no more than the triangulation asks for.
 template <int N>
@@ -100,4 +100,4 @@ class BalancedTree final : public BlockView<N> {
   std::set<Block> inner_;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 #include "sansmesh/polygonize/lattice.h"
 #include "sansmesh/triangulation/block_tree_view.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using LatticeCorners = std::array<LatticeVertex<3>, 4>;
@@ -55,4 +55,4 @@ TEST(J1aLattice, PatternsAreTheEnumeratedSimplices) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

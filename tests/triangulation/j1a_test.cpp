@@ -10,10 +10,10 @@
 #include <tuple>
 
 #include "balanced_tree.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/triangulation/block_tree_view.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 template <int N>
@@ -527,4 +527,4 @@ TEST(J1a, RefusesWhatIsNoSimplex) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 template <std::size_t M>
@@ -135,4 +135,4 @@ TEST(SimplexCut, NothingWithoutAChangeOfSign) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,8 +4,8 @@
 #include <limits>
 #include <set>
 
-#include "sansmesh/core/error.h"
 #include "sansmesh/core/matrix3.h"
+#include "sansmesh/error.h"
 #include "sansmesh/volume/volume_boundary.h"
 #include "sansmesh/volume/volume_locator.h"
 #include "support/any_threads.h"

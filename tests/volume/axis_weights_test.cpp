@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 const std::vector<double> kEven{0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5};
@@ -166,4 +166,4 @@ TEST(LagrangeAxis, ReproducesPolynomialsOfItsDegree) {
 }
 
 }  // namespace
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -10,7 +10,7 @@
 #include "sansmesh/volume/assemble_volume.h"
 #include "sansmesh/volume/volume_values.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 ReconstructionChoice chosen_for(const std::function<double(const Vec3&)>& f) {
@@ -49,4 +49,4 @@ TEST(ChooseReconstruction, SmoothLatticesTakePolynomialsEdgesAndNoiseACubic) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

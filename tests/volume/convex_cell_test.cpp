@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 TEST(ConvexCell, HasTheVolumeAndFacesOfABox) {
@@ -70,4 +70,4 @@ TEST(ConvexCell, BearsPlanesThroughItsCorners) {
 }
 
 }  // namespace
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <limits>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 #include "volume/volume_checks.h"
 

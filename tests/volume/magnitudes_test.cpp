@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "sansmesh/core/binary_scale.h"
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/volume/volume_traits.h"
 #include "sansmesh/volume/volume_values.h"
 #include "volume/volume_checks.h"

@@ -8,7 +8,7 @@
 
 #include "sansmesh/volume/cell_tetrahedra.h"
 
-namespace sansmesh::detail {
+namespace sansmesh::inline v1::detail {
 namespace {
 
 struct Polyhedron {
@@ -123,4 +123,4 @@ TEST(MeanValue, IsLinearOnItsFacesAndContinuousThere) {
 }
 
 }  // namespace
-}  // namespace sansmesh::detail
+}  // namespace sansmesh::inline v1::detail

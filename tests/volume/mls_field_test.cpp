@@ -4,7 +4,7 @@
 #include <limits>
 #include <string>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 #include "volume/volume_checks.h"

@@ -5,11 +5,11 @@
 #include <cmath>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
+#include "sansmesh/progress.h"
 #include "sansmesh/volume/assemble_volume.h"
 #include "volume/volume_grids.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 struct Slopes {
@@ -101,4 +101,4 @@ TEST(SampleSlopes, SteepestAcrossLeavesOutWhatIsFlat) {
 }
 
 }  // namespace
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

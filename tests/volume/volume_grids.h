@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 
 namespace sansmesh::test {
 

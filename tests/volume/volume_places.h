@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/data/sampled_volume.h"
+#include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/cell_geometry.h"
 
 namespace sansmesh::test {

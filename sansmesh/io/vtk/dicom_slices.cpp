@@ -20,7 +20,7 @@
 #include "sansmesh/io/binary.h"
 #include "sansmesh/io/vtk/vtk_blocks.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 struct Slice {
@@ -317,4 +317,4 @@ void add_slices(const std::string& path, VtkSink& sink, GridData& data) {
   data.blocks.push_back(std::move(block));
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

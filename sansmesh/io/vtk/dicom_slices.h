@@ -3,10 +3,10 @@
 
 #include <string>
 
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 #include "sansmesh/io/vtk_module.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Reads a slice, or all of a folder that VTK's reader takes for slices, into one block: where and which way up they
 /// lie follows from their positions and orientations in the patient (mm; x to the left, y to the back, z to the head),
@@ -17,4 +17,4 @@ namespace sansmesh::io {
 /// numbers.
 void add_slices(const std::string& path, VtkSink& sink, GridData& data);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

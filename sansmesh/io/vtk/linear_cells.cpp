@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 constexpr std::uint32_t kNoCorner = 0xffffffffu;
@@ -402,4 +402,4 @@ std::vector<std::string> LinearCells::notes() const {
   return notes;
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/cell_list.h"
+#include "sansmesh/cell_list.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Takes cells one by one, cut where that is needed. Cells with nodes on their edges are cut at all of them (up to
 /// corners of quadratic pyramids in faces, and nodes of higher order than Lagrange hexahedra and quadrilaterals have,
@@ -58,4 +58,4 @@ class LinearCells {
   std::map<std::string, std::size_t> left_out_, corners_only_;
 };
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -37,7 +37,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/io/vtk/linear_cells.h"
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 [[noreturn]] void fail(const std::string& cause) { throw std::runtime_error(cause); }
@@ -497,4 +497,4 @@ void tidy_blocks(GridData& data) {
   data.notes = std::move(notes);
 }
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

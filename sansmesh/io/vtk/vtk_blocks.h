@@ -1,13 +1,13 @@
 // What VTK's readers make, as blocks of a grid.
 #pragma once
 
-#include "sansmesh/data/grid_data.h"
+#include "sansmesh/grid_data.h"
 #include "sansmesh/io/vtk_module.h"
 
 class vtkDataArray;
 class vtkDataObject;
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 
 /// Appends the blocks of a data set, or of all those in a tree of them, and what there is to note. Throws
 /// std::runtime_error with the cause where cells name points that are not there or arrays do not fit.
@@ -19,4 +19,4 @@ AttributeValues values_of(vtkDataArray& array, const std::vector<std::uint32_t>*
 /// Leaves out blocks of points or surfaces where there are others with volume; collects equal notes.
 void tidy_blocks(GridData& data);
 
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io

@@ -52,7 +52,7 @@ extern "C" __attribute__((visibility("default"))) [[noreturn]] void vtkcgns_cgio
   throw std::runtime_error("is no CGNS file that can be read: truncated or damaged");
 }
 
-namespace sansmesh::io {
+namespace sansmesh::inline v1::io {
 namespace {
 
 /// Keeps what VTK would print.
@@ -319,7 +319,7 @@ void read_checked(const VtkRequest& request, VtkSink& sink, GridData& data) {
 }
 
 }  // namespace
-}  // namespace sansmesh::io
+}  // namespace sansmesh::inline v1::io
 
 // Only these two are called from outside.
 extern "C" __attribute__((visibility("default"))) std::size_t sansmesh_vtk_interface() {

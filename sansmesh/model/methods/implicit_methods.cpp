@@ -1,12 +1,12 @@
 // Surfaces as zero sets of weighted means of the samples (docs/methods/implicit-surfaces.md).
 #include <memory>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/model/surface_method.h"
 #include "sansmesh/model/surface_options.h"
 #include "sansmesh/surface/implicit_surface.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 using Normal = SurfaceOptions::Normal;
@@ -72,4 +72,4 @@ constexpr SurfaceMethod kImplicit[] = {
 
 std::span<const SurfaceMethod> implicit_methods() { return kImplicit; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include "sansmesh/model/surface_options.h"
 #include "sansmesh/mpu/mpu_surface.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// Of what closes holes, where nothing tells how the surface bends: the radius of a ball over what stands for the
@@ -56,4 +56,4 @@ constexpr SurfaceMethod kMpu[] = {
 
 std::span<const SurfaceMethod> mpu_methods() { return kMpu; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 
 #include "sansmesh/partition/partition_fit.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 /// The surface passes through supports in whose centre it is no farther away than so many radii.
@@ -54,4 +54,4 @@ SurfaceParts partition_parts(PartitionOfUnity partition) {
 
 std::span<const SurfaceMethod> partition_methods() { return kPartition; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,9 +4,9 @@
 #include "sansmesh/model/surface_method.h"
 #include "sansmesh/partition/partition_of_unity.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The surface of a partition that was fitted before.
 SurfaceParts partition_parts(PartitionOfUnity partition);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -2,13 +2,13 @@
 #include <memory>
 #include <utility>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 #include "sansmesh/model/surface_method.h"
 #include "sansmesh/model/surface_options.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "sansmesh/surface/projection_surface.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 namespace {
 
 ProjectionOptions projection_options(const SurfaceOptions& options) {
@@ -82,4 +82,4 @@ constexpr SurfaceMethod kProjecting[] = {
 
 std::span<const SurfaceMethod> projection_methods() { return kProjecting; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,6 +1,6 @@
 // A project outside sansmesh, with only what find_package(sansmesh) gives: reconstructs a ball, probes a volume and
 // traces a flow.
-#include <sansmesh/io/io.h>
+#include <sansmesh/io.h>
 #include <sansmesh/jobs/flow_lines.h>
 #include <sansmesh/jobs/flow_model.h>
 #include <sansmesh/jobs/probe_volume.h>

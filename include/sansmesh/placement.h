@@ -1,10 +1,10 @@
 // Coordinates of one's own, and where they lie in those of the input.
 #pragma once
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct PointSet;
 struct TriangleMesh;
@@ -50,4 +50,4 @@ void move_from_input(TriangleMesh& mesh, const Placement& place);
 void move_to_input(PointSet& points, const Placement& place);
 void move_to_input(TriangleMesh& mesh, const Placement& place);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,11 +8,11 @@
 #include <limits>
 #include <span>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/field/scalar_field.h"
+#include "sansmesh/box.h"
+#include "sansmesh/scalar_field.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What is wanted at a batch of points; spans that are empty are not wanted.
 struct VolumeAnswers {
@@ -50,4 +50,4 @@ class VolumeField {
   }
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Corners in VTK's order: a tetrahedron's fourth lies on the side to which the first three turn left; a pyramid's base
 /// is a ring, then the tip; a wedge is two triangles, corner k + 3 opposite of corner k; a hexahedron is two rings,
@@ -58,4 +58,4 @@ struct Adjacency {
   }
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

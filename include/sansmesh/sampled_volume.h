@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/attribute_table.h"
-#include "sansmesh/data/cell_list.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/box.h"
+#include "sansmesh/cell_list.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Samples at all combinations of coordinates on three axes (uniform and rectilinear grids): nothing else needs to be
 /// stored. Sample (i, j, k) has the number i + nx (j + ny k).
@@ -95,4 +95,4 @@ struct SampledVolume {
   Box3 bounds() const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -1,9 +1,9 @@
 // Affine maps of space, and clouds and meshes moved by them.
 #pragma once
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 struct PointSet;
 struct TriangleMesh;
@@ -47,4 +47,4 @@ struct AffineMap {
 void transform(PointSet& points, const AffineMap& map);
 void transform(TriangleMesh& mesh, const AffineMap& map);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

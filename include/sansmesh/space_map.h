@@ -4,11 +4,11 @@
 
 #include <span>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/field/vector_field.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
+#include "sansmesh/vector_field.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What is wanted at a batch of points; spans that are empty are not wanted.
 struct MapAnswers {
@@ -40,4 +40,4 @@ class SpaceMap {
   virtual void images(std::span<const Box3> boxes, std::span<Box3> found) const;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Text of a file or of a user, fit for one line of a message: printing characters of UTF-8 stay, all other bytes
 /// (control characters, line breaks, what is not UTF-8) become \xNN. Of more than `most` characters the middle is left
@@ -63,4 +63,4 @@ class Cancelled : public Error {
   Cancelled() : Error("cancelled") {}
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

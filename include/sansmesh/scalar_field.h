@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <span>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What values lie between, both ends included.
 struct ValueRange {
@@ -63,4 +63,4 @@ void fill_undefined(const ScalarField& other, std::span<const Vec3> x, std::span
                     std::span<double> values, std::span<Vec3> gradients);
 }  // namespace detail
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

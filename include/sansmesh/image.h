@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Rows from top to bottom, pixels from left to right.
 template <class T>
@@ -40,4 +40,4 @@ inline std::uint8_t to_byte(float value, float threshold = 0.5f) {
 /// The value that to_byte makes this level of.
 constexpr float from_byte(std::uint8_t level) { return static_cast<float>(level) / 255; }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

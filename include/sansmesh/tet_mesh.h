@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/attribute_table.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 using Tet = std::array<std::uint32_t, 4>;
 
@@ -27,4 +27,4 @@ inline Box3 bounds(const TetMesh& mesh) {
   return box;
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,10 +8,10 @@
 #include <limits>
 #include <span>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Derivatives of a vector v by the position: [k] = ∂v/∂x_k, per time if v is a velocity.
 using Jacobian = std::array<Vec3, 3>;
@@ -56,4 +56,4 @@ class VectorField {
                         std::span<std::uint8_t> inside, std::span<Jacobian> jacobian = {}) const = 0;
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

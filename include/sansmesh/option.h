@@ -13,10 +13,10 @@
 #include <variant>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// The value of any option. Nothing: it is not set, and follows from the data.
 using OptionValue = std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<double>,
@@ -329,4 +329,4 @@ std::vector<std::string_view> options_set(const T& options) {
 void check_used(const std::vector<std::string_view>& set, std::span<const std::string_view> used,
                 std::span<const std::string_view> some, std::string_view method);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -8,11 +8,11 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/attribute_table.h"
-#include "sansmesh/data/cell_list.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/cell_list.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// How the points of a block are given.
 enum class GridKind : std::uint8_t {
@@ -60,4 +60,4 @@ struct GridData {
   std::vector<std::string> notes;  ///< what a user should know: cells of kinds that were cut or left out, …
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

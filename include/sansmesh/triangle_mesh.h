@@ -5,12 +5,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/attribute_table.h"
-#include "sansmesh/data/point_set.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/box.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
@@ -34,4 +34,4 @@ inline Box3f bounds(const TriangleMesh& mesh) {
 /// Positions and triangles of a cloud, with normals, colours and attributes.
 TriangleMesh to_mesh(PointSet points);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

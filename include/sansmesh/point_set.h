@@ -7,11 +7,11 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/box.h"
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/attribute_table.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Samples of a surface as a structure of arrays. Every optional array is either empty or as long as `positions`.
 struct PointSet {
@@ -62,4 +62,4 @@ void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask);
 /// Sample i is what sample rows[i] is, with all that belongs to it but triangles. Row numbers must exist.
 PointSet take_samples(const PointSet& points, std::span<const std::uint32_t> rows);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

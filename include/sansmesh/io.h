@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/core/progress.h"
-#include "sansmesh/data/image.h"
-#include "sansmesh/data/point_set.h"
-#include "sansmesh/data/polyline_set.h"
-#include "sansmesh/data/triangle_mesh.h"
+#include "sansmesh/image.h"
+#include "sansmesh/point_set.h"
+#include "sansmesh/polyline_set.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// What a reader found apart from the data.
 struct ReadReport {
@@ -99,4 +99,4 @@ void write_text(const std::string& file, const std::string& text);
 /// "lines", "image") or its folder does not exist or cannot be written.
 void check_writable(const std::string& file, const std::string& kind);
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

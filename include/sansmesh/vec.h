@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Three components of type T: a position, a direction or a colour.
 template <class T>
@@ -78,4 +78,4 @@ void tangent_frame(const VecT<T>& n, VecT<T>& t, VecT<T>& b) {
   b = {c, sign + n.y * n.y * a, -n.y};
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

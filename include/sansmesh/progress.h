@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/core/error.h"
+#include "sansmesh/error.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Stages are entered in sequence by the algorithm (`begin`), advanced by its workers (`advance`), and observed by
 /// the caller through the callback. Wall time of each finished stage is kept (`timings`).
@@ -60,4 +60,4 @@ class Progress {
 /// CPU seconds (user + system, all threads) this process has used so far.
 double process_cpu_seconds();
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/core/vec.h"
-#include "sansmesh/data/attribute_table.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Line i has the points offsets[i] .. offsets[i + 1] (at least one).
 struct PolylineSet {
@@ -19,4 +19,4 @@ struct PolylineSet {
   std::size_t size() const { return offsets.size() - 1; }
 };
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <limits>
 
-#include "sansmesh/core/vec.h"
+#include "sansmesh/vec.h"
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
 /// Closed axis-aligned box; empty (lower > upper) until a point is added.
 template <class T>
@@ -36,4 +36,4 @@ struct BoxT {
 using Box3 = BoxT<double>;
 using Box3f = BoxT<float>;
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

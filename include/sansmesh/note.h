@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
-namespace sansmesh {
+namespace sansmesh::inline v1 {
 
-/// Names options by their fields, between grave accents, as errors do (core/error.h).
+/// Names options by their fields, between grave accents, as errors do (sansmesh/error.h).
 struct Note {
   enum class Severity : std::uint8_t { information, warning };
 
@@ -31,4 +31,4 @@ inline void add_notes(std::vector<Note>& notes, std::string_view code, const std
     notes.push_back({.code = std::string(code), .text = line, .remedy = {}, .of = of});
 }
 
-}  // namespace sansmesh
+}  // namespace sansmesh::inline v1

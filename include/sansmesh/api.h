@@ -1,0 +1,9 @@
+// Marks of the public interface.
+#pragma once
+
+/// What programs may use of the shared library: nothing else is exported.
+#if defined(__GNUC__)
+#define SANSMESH_API __attribute__((visibility("default")))
+#else
+#define SANSMESH_API
+#endif
