@@ -3,9 +3,9 @@
 
 #include "sansmesh/function/diagnose_function.h"
 #include "sansmesh/function/edit_function.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/function/surface_function.h"
 #include "sansmesh/function/update_mesh.h"
 #include "sansmesh/io.h"
 
@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
     Progress progress;
     write_function(argv[2], fit_surface_function(read_points(argv[1]), {}, progress));
 
-    const SurfaceFunction function = read_function(argv[2]);
+    const FittedFunction function = read_function(argv[2]);
     const TriangleMesh mesh = mesh_function(function, {}, progress);
 
     // Where does it look suspicious?

@@ -6,11 +6,11 @@
 #include <optional>
 #include <utility>
 
-#include "sansmesh/advise/traits.h"
+#include "sansmesh/advice.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/surface_function.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/mesh/sewn_mesh.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/duplicates.h"
@@ -132,7 +132,7 @@ void measure_openness(PointSet points, CloudTraits& traits, Progress& progress) 
   points.triangles.clear();
   points.triangle_attributes = {};
   try {
-    const SurfaceFunction function = fit_surface_function(std::move(points), {}, progress);
+    const FittedFunction function = fit_surface_function(std::move(points), {}, progress);
     const PartitionReport& r = function.field.report();
     traits.open = r.area > 0 ? std::min(1.0, r.open_area / r.area) : 0;
   } catch (const DataError&) {

@@ -11,10 +11,13 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/repair.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/inspect.h"
 #include "sansmesh/box.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/dataset/value_ranges.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/option.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/progress.h"

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/align.h"
+#include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
 

@@ -1,8 +1,12 @@
 // Picture of a surface that was moved onto another one.
 #pragma once
 
+#include "sansmesh/repair.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/option.h"
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/align.h"
+#include "sansmesh/inspect.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
 

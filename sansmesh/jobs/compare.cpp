@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/compare.h"
+#include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
 
@@ -8,7 +8,6 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/align.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/refine_edges.h"
 

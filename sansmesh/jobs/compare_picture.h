@@ -3,8 +3,12 @@
 
 #include <string>
 
+#include "sansmesh/repair.h"
+#include "sansmesh/option.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/compare.h"
+#include "sansmesh/inspect.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
 

@@ -11,6 +11,10 @@
 #include <variant>
 #include <vector>
 
+#include "sansmesh/repair.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/error.h"
 #include "sansmesh/box.h"
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/folds.h"
@@ -19,7 +23,6 @@
 #include "sansmesh/image.h"
 #include "sansmesh/jobs/deform_options.h"
 #include "sansmesh/jobs/deformation.h"
-#include "sansmesh/jobs/solid_model.h"
 #include "sansmesh/jobs/volume_model.h"
 #include "sansmesh/measure/section.h"
 #include "sansmesh/mesh/deformed_mesh.h"
@@ -29,6 +32,7 @@
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/sampled_volume.h"
+#include "sansmesh/solids.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/volume_field.h"
 

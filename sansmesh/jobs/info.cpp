@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/info.h"
+#include "sansmesh/points.h"
 
 #include <fmt/core.h>
 
@@ -83,7 +83,8 @@ CloudInfo info(const PointSet& points, Progress& progress) {
   return info;
 }
 
-FunctionInfo info(const SurfaceFunction& function) {
+FunctionInfo info(const SurfaceFunction& told) {
+  const FittedFunction& function = told.fitted();
   const PartitionReport& r = function.field.report();
   const Placement& place = function.place;
   FunctionInfo info;
@@ -100,6 +101,7 @@ FunctionInfo info(const SurfaceFunction& function) {
   info.deviation = place.to_input(r.noise);
   info.accuracy = place.to_input(r.accuracy);
   info.history = function.history;
+  info.paper = function.paper;
   return info;
 }
 

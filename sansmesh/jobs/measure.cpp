@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/measure.h"
+#include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/normals.h"
+#include "sansmesh/points.h"
 
 #include <algorithm>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/project.h"
+#include "sansmesh/points.h"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/reconstruct.h"
+#include "sansmesh/reconstruct.h"
 
 #include <fmt/core.h>
 
@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "sansmesh/error.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/model/surface_domain.h"
 
@@ -126,7 +126,7 @@ ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options
     reconstruct_surface(std::move(points), options, progress, result);
     return result;
   }
-  const SurfaceFunction function =
+  const FittedFunction function =
       fit_surface_function(prepare(std::move(points), options.cloud, progress, r), options.fit, progress);
   const PartitionReport& f = function.field.report();
   result.mesh = mesh_function(function, options.mesh, progress, &r);

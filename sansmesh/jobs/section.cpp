@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/section.h"
+#include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
 

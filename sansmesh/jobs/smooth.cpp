@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/smooth.h"
+#include "sansmesh/repair.h"
 
 #include <fmt/core.h>
 

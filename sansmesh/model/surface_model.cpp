@@ -108,7 +108,7 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
   return SurfaceModel(std::move(state));
 }
 
-SurfaceModel make_surface_model(SurfaceFunction function) {
+SurfaceModel make_surface_model(FittedFunction function) {
   auto state = std::make_unique<SurfaceModel::State>();
   state->cloud.points = *function.samples;
   state->cloud.place = function.place;

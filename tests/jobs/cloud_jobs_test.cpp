@@ -7,10 +7,7 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/curvature.h"
-#include "sansmesh/jobs/info.h"
-#include "sansmesh/jobs/normals.h"
-#include "sansmesh/jobs/project.h"
+#include "sansmesh/points.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"

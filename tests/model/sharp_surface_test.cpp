@@ -10,10 +10,10 @@
 #include <optional>
 
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_closest.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/sample_faces.h"
+#include "sansmesh/reconstruct.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/clouds.h"
 #include "support/edged_shapes.h"

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/reconstruct.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
+#include "sansmesh/reconstruct.h"
 #include "support/clouds.h"
 #include "support/places.h"
 #include "support/surface_names.h"

@@ -9,10 +9,10 @@
 #include <numbers>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/reconstruct.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/spacing.h"
+#include "sansmesh/reconstruct.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"

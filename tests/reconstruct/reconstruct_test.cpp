@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/reconstruct.h"
+#include "sansmesh/reconstruct.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_distance.h"
-#include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_measures.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/triangulation/block_tree.h"
 #include "support/any_threads.h"
@@ -360,8 +360,8 @@ TEST(MeshFunction, WritesItsReportAnew) {
     cloud.normals.push_back(sparse.normals[i]);
   }
   Progress progress;
-  const SurfaceFunction two = fit_surface_function(cloud, {}, progress),
-                        one = fit_surface_function(test::sphere(3000), {}, progress);
+  const FittedFunction two = fit_surface_function(cloud, {}, progress),
+                       one = fit_surface_function(test::sphere(3000), {}, progress);
   MeshOptions measured;
   measured.measure_quality = true;
   MeshReport used, fresh;
