@@ -7,20 +7,26 @@
 #include <utility>
 
 #include "sansmesh/advice.h"
+#include "sansmesh/attribute_table.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/fit_options.h"
 #include "sansmesh/function/fitted_function.h"
+#include "sansmesh/inspect.h"
 #include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/option.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/neighbourhood_sample.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
+#include "sansmesh/points/orientation.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/points/spacing.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -6,16 +6,26 @@
 #include <span>
 #include <utility>
 
+#include "sansmesh/attribute_table.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/deformed_field.h"
 #include "sansmesh/field/inverse_map.h"
+#include "sansmesh/fit_options.h"
 #include "sansmesh/function/mesh_function.h"
+#include "sansmesh/image.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/io.h"
 #include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
+#include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/jobs/with_name.h"
+#include "sansmesh/option.h"
 #include "sansmesh/render/surface_caster.h"
+#include "sansmesh/repair.h"
+#include "sansmesh/triangle_mesh.h"
+#include "sansmesh/vector_field.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -207,7 +217,7 @@ DeformResult deform(const SolidModel& solid, const Deformation& deformation, Def
   options.validate(aim);
   if (options.refine) throw ArgumentError("`refine` is for meshes: functions are cut out as fine as they need");
   SolidPoses poses(solid, deformation, aim, options, progress);
-  for (int k = 0; k < options.poses(); ++k) use(k, with_name(solid.expression, [&] { return poses.at(k); }));
+  for (int k = 0; k < options.poses(); ++k) use(k, with_name(solid.expression(), [&] { return poses.at(k); }));
   return poses.result();
 }
 

@@ -1,4 +1,17 @@
 #include "sansmesh/reconstruct.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/fit_options.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/model/surface_method.h"
+#include "sansmesh/model/surface_model.h"
+#include "sansmesh/option.h"
+#include "sansmesh/partition/partition_data.h"
+#include "sansmesh/points.h"
+#include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/repair.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,12 @@
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/fit_options.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/option.h"
+#include "sansmesh/points.h"
+#include "sansmesh/repair.h"
+#include "sansmesh/surface_options.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <algorithm>
 #include <mutex>
@@ -39,7 +47,7 @@ SurfaceOptions placed(SurfaceOptions options, const Placement& place) {
 BilateralOptions sharp_options(const SurfaceOptions& options) {
   BilateralOptions o;
   o.formula = *options.sharp, o.weights = options.weights;
-  if (o.formula == SurfaceOptions::SharpFormula::laguerre) {  // whose h and ε are those of the surface
+  if (o.formula == SharpFormula::laguerre) {  // whose h and ε are those of the surface
     o.epsilon = options.epsilon.value_or(o.epsilon);
     o.smoothing = options.smoothing, o.bandwidth = options.bandwidth;
   }

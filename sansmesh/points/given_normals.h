@@ -4,14 +4,15 @@
 #include <optional>
 #include <string>
 
-#include "sansmesh/option.h"
 #include "sansmesh/attribute_table.h"
-#include "sansmesh/triangle_mesh.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/cloud_options.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/sights.h"
+#include "sansmesh/repair.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 

@@ -137,7 +137,7 @@ TEST(ProjectJob, RefusesWhatMeansNothing) {
   refuses({.method = "lop", .cloud = {.remove_outliers = true}});
   refuses({.method = "lop"}, sphere(100));
   ProjectOptions sharp{.method = "lop"};
-  sharp.surface.sharp = SurfaceOptions::SharpFormula::bilateral;
+  sharp.surface.sharp = SharpFormula::bilateral;
   refuses(sharp);
 }
 
