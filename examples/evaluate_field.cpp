@@ -4,7 +4,6 @@
 #include <cstdio>
 #include <memory>
 
-#include "sansmesh/error.h"
 #include "sansmesh/functions.h"
 
 using namespace sansmesh;

@@ -7,15 +7,11 @@
 #include <utility>
 
 #include "sansmesh/advice.h"
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/fit_options.h"
 #include "sansmesh/function/fitted_function.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/mesh/sewn_mesh.h"
-#include "sansmesh/option.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/local_frame.h"

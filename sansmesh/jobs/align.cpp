@@ -1,9 +1,6 @@
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/inspect.h"
 #include "sansmesh/mesh/align_surfaces.h"
-#include "sansmesh/option.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

@@ -1,10 +1,7 @@
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/dataset/isosurface.h"
-#include "sansmesh/fit_options.h"
 #include "sansmesh/inspect.h"
 #include "sansmesh/jobs/isosurface.h"
-#include "sansmesh/option.h"
-#include "sansmesh/repair.h"
 #include "sansmesh/triangle_mesh.h"
 
 #include <utility>

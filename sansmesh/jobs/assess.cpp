@@ -3,7 +3,6 @@
 #include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/option.h"
-#include "sansmesh/repair.h"
 #include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>

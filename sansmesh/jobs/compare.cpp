@@ -2,7 +2,6 @@
 #include "sansmesh/inspect.h"
 #include "sansmesh/measure/distance_map.h"
 #include "sansmesh/option.h"
-#include "sansmesh/repair.h"
 #include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>

@@ -1,13 +1,8 @@
 #include "sansmesh/jobs/compare_picture.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/fit_options.h"
 #include "sansmesh/image.h"
 #include "sansmesh/inspect.h"
 #include "sansmesh/measure/distance_map.h"
-#include "sansmesh/option.h"
 #include "sansmesh/partition/paper_options.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

@@ -6,26 +6,20 @@
 #include <span>
 #include <utility>
 
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/deformed_field.h"
 #include "sansmesh/field/inverse_map.h"
-#include "sansmesh/fit_options.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/image.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/io.h"
 #include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/option.h"
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/repair.h"
 #include "sansmesh/triangle_mesh.h"
-#include "sansmesh/vector_field.h"
 
 namespace sansmesh::inline v1 {
 namespace {

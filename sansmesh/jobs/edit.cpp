@@ -1,12 +1,7 @@
 #include "sansmesh/attribute_table.h"
-#include "sansmesh/fit_options.h"
 #include "sansmesh/function/edit_function.h"
 #include "sansmesh/function/update_mesh.h"
 #include "sansmesh/functions.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/option.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

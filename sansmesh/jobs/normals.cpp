@@ -1,13 +1,8 @@
 #include "sansmesh/points/normals.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/fit_options.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/option.h"
 #include "sansmesh/points.h"
 #include "sansmesh/points/given_normals.h"
 #include "sansmesh/points/noise.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/triangle_mesh.h"
 
 #include <algorithm>
 #include <utility>

@@ -2,9 +2,6 @@
 #include "sansmesh/field/level_set_curvature.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/functions.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/option.h"
-#include "sansmesh/repair.h"
 
 #include <algorithm>
 #include <cmath>

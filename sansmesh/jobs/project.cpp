@@ -1,15 +1,11 @@
 #include "sansmesh/attribute_table.h"
-#include "sansmesh/fit_options.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/model/surface_method.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/option.h"
 #include "sansmesh/points.h"
 #include "sansmesh/points/prepare_cloud.h"
-#include "sansmesh/repair.h"
 #include "sansmesh/surface/lop.h"
-#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

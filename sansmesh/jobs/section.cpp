@@ -1,8 +1,6 @@
 #include "sansmesh/measure/section.h"
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/inspect.h"
 #include "sansmesh/option.h"
-#include "sansmesh/repair.h"
 #include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>

@@ -1,5 +1,4 @@
 #include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/option.h"
 #include "sansmesh/repair.h"

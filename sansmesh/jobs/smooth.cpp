@@ -1,7 +1,5 @@
 #include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/mesh/smooth_mesh.h"
-#include "sansmesh/option.h"
 #include "sansmesh/repair.h"
 #include "sansmesh/triangle_mesh.h"
 

@@ -1,10 +1,5 @@
 #include "sansmesh/model/surface_model.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/fit_options.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/option.h"
-#include "sansmesh/points.h"
-#include "sansmesh/repair.h"
 #include "sansmesh/surface_options.h"
 #include "sansmesh/triangle_mesh.h"
 

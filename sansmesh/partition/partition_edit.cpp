@@ -1,11 +1,7 @@
 #include "sansmesh/partition/partition_edit.h"
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/fit_options.h"
-#include "sansmesh/function_edits.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/option.h"
 #include "sansmesh/partition/local_fit.h"
-#include "sansmesh/repair.h"
 #include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>

@@ -3,12 +3,8 @@
 
 #include <string>
 
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/cloud_options.h"
-#include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 

@@ -4,14 +4,10 @@
 #include <cstddef>
 #include <optional>
 
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/cloud_options.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 

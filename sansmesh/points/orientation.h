@@ -4,14 +4,10 @@
 #include <optional>
 #include <span>
 
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/cloud_options.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/sights.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/repair.h"
 
 namespace sansmesh::inline v1 {
 

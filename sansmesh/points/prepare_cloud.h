@@ -5,17 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/cloud_options.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/option.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/face_shape.h"
 #include "sansmesh/points/sights.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 

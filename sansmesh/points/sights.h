@@ -5,12 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/cloud_options.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
-#include "sansmesh/repair.h"
 
 namespace sansmesh::inline v1 {
 

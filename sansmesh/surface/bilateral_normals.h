@@ -5,11 +5,7 @@
 #include <optional>
 #include <span>
 
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/field/normal_field.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/option.h"
-#include "sansmesh/repair.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/surface/surface_samples.h"
 #include "sansmesh/triangle_mesh.h"

@@ -6,12 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/repair.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/surface_options.h"
 #include "sansmesh/vec.h"

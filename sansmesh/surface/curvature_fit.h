@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/inspect.h"
 #include "sansmesh/surface_options.h"
 #include "sansmesh/vec.h"
 
