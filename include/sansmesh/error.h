@@ -11,8 +11,8 @@
 namespace sansmesh::inline v1 {
 
 /// Text of a file or of a user, fit for one line of a message: printing characters of UTF-8 stay, all other bytes
-/// (control characters, line breaks, what is not UTF-8) become \xNN. Of more than `most` characters the middle is left
-/// out ("…"). Printable text of at most `most` characters stays as it is.
+/// (control characters, line breaks, what is not UTF-8) become `\xNN`. Of more than `most` characters the middle is
+/// left out ("…"). Printable text of at most `most` characters stays as it is.
 SANSMESH_API std::string printable(std::string_view text, std::size_t most = std::string_view::npos);
 
 /// Base of everything this library throws on purpose. what() is one line that names the culprit and the cause.
