@@ -221,7 +221,7 @@ Deformed write_displacement_map(const DeformArguments& a, DeformedThing thing, c
                                 Console& console) {
   Json ignored;
   const Box3 before = thing == DeformedThing::volume  ? a.input.open(console).samples(console.progress())->bounds()
-                      : thing == DeformedThing::solid ? open_solid(a.input.files[0], console).solid.bounds()
+                      : thing == DeformedThing::solid ? open_solid(a.input.files[0], console).bounds()
                                                       : bounds_of(read_cloud(a, ignored, console));
   DeformationMapResult made = deformation_map(deformation, before, a.input.name(), a.map, console.progress());
   console.progress().begin("write");

@@ -17,6 +17,11 @@ namespace sansmesh::inline v1 {
 /// Largest degree of local polynomials.
 constexpr int kMaxDegree = 4;
 
+/// Instead of a degree: for each support the highest that its samples allow, by their number and by what they cover of
+/// it; of a fit as the sources have it, no higher than its threshold needs. Where such a fit asked for no coverage, the
+/// thesis' thresholds stand in.
+constexpr int kAutomaticDegree = 99;
+
 /// Number of local functions of each degree.
 using FitsOfDegree = std::array<std::size_t, kMaxDegree + 1>;
 

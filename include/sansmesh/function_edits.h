@@ -54,11 +54,6 @@ struct SANSMESH_API EditSelection {
   void validate() const;
 };
 
-/// Instead of a degree: for each support the highest that its samples allow, by their number and by what they cover of
-/// it; of a fit as the sources have it, no higher than its threshold needs. Where such a fit asked for no coverage, the
-/// thesis' thresholds stand in.
-constexpr int kAutomaticDegree = 99;
-
 /// Polynomials of another degree, or of the highest below it that the samples determine; creases go.
 struct SetDegree {
   int degree;  ///< 0..4, or kAutomaticDegree: of each support the highest that its samples allow

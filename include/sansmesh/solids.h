@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sansmesh/api.h"
+#include "sansmesh/box.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
@@ -25,6 +26,8 @@ class SANSMESH_API SolidModel {
   const std::string& expression() const;
   /// Files that the expression names.
   const std::vector<std::string>& files() const;
+  /// Box around it, in the coordinates of the input; infinite where it has no end.
+  Box3 bounds() const;
   /// Notes of making it. "read", "volume", "reconstruction": of files; "mesh_solid": what was done to a mesh.
   const std::vector<Note>& notes() const;
   /// Parts of its mesh that are kept where nobody says: functions of scans may have small sheets far from their

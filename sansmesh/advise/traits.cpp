@@ -18,9 +18,11 @@
 #include "sansmesh/points/neighbourhood_sample.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
+#include "sansmesh/points/orientation.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/points/spacing.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -11,9 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/box.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/dataset/value_ranges.h"

@@ -8,9 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/mesh_options.h"

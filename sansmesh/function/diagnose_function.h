@@ -8,9 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/function/edit_function.h"
 #include "sansmesh/function_edits.h"
 #include "sansmesh/option.h"

@@ -6,12 +6,6 @@
 #include <variant>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/triangle_mesh.h"
-#include "sansmesh/fit_options.h"
 #include "sansmesh/box.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function_edits.h"

@@ -6,11 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/option.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/triangle_mesh.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/fit_options.h"
 #include "sansmesh/partition/paper_fit.h"
 #include "sansmesh/partition/partition_of_unity.h"

@@ -1,12 +1,6 @@
 // How the mesh of a function is cut out of it; not part of the public interface.
 #pragma once
 
-#include "sansmesh/fit_options.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/polygonize/polygonize_options.h"

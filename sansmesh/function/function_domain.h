@@ -6,10 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/partition/global_sign.h"
 #include "sansmesh/points/coverage.h"

@@ -3,11 +3,6 @@
 
 #include <string>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/fit_options.h"
-#include "sansmesh/option.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/function/fitted_function.h"
 
 namespace sansmesh::inline v1 {

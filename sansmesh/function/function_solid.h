@@ -3,12 +3,6 @@
 
 #include <memory>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/fit_options.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/function/fitted_function.h"
 

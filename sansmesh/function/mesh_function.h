@@ -1,11 +1,6 @@
 // From a fitted function to its mesh.
 #pragma once
 
-#include "sansmesh/fit_options.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/progress.h"

@@ -1,10 +1,6 @@
 // Picture of a surface that was moved onto another one.
 #pragma once
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/triangle_mesh.h"
-#include "sansmesh/option.h"
 #include "sansmesh/image.h"
 #include "sansmesh/inspect.h"
 #include "sansmesh/progress.h"

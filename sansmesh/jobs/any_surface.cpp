@@ -1,4 +1,8 @@
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/inspect.h"
+#include "sansmesh/jobs/isosurface.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <utility>
 

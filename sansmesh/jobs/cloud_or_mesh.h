@@ -5,9 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
 #include "sansmesh/affine_map.h"
 #include "sansmesh/box.h"
 #include "sansmesh/convert.h"

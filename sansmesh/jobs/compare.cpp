@@ -1,4 +1,8 @@
+#include "sansmesh/attribute_table.h"
 #include "sansmesh/inspect.h"
+#include "sansmesh/measure/distance_map.h"
+#include "sansmesh/option.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

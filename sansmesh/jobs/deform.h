@@ -11,14 +11,11 @@
 #include <variant>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/error.h"
 #include "sansmesh/box.h"
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/folds.h"
 #include "sansmesh/deform/open_mesh.h"
+#include "sansmesh/error.h"
 #include "sansmesh/grid_data.h"
 #include "sansmesh/image.h"
 #include "sansmesh/jobs/deform_options.h"

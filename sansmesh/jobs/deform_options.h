@@ -5,15 +5,12 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/box.h"
 #include "sansmesh/dataset/resample_volume.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/option.h"
 #include "sansmesh/render/volume_options.h"
+#include "sansmesh/repair.h"
 #include "sansmesh/solid_measures.h"
 
 namespace sansmesh::inline v1 {

@@ -12,10 +12,14 @@
 #include "sansmesh/field/deformed_field.h"
 #include "sansmesh/field/inverse_map.h"
 #include "sansmesh/function/mesh_function.h"
+#include "sansmesh/image.h"
 #include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
+#include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/render/surface_caster.h"
+#include "sansmesh/repair.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -207,7 +211,7 @@ DeformResult deform(const SolidModel& solid, const Deformation& deformation, Def
   options.validate(aim);
   if (options.refine) throw ArgumentError("`refine` is for meshes: functions are cut out as fine as they need");
   SolidPoses poses(solid, deformation, aim, options, progress);
-  for (int k = 0; k < options.poses(); ++k) use(k, with_name(solid.expression, [&] { return poses.at(k); }));
+  for (int k = 0; k < options.poses(); ++k) use(k, with_name(solid.expression(), [&] { return poses.at(k); }));
   return poses.result();
 }
 

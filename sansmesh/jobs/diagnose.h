@@ -6,12 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/fit_options.h"
-#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/function/diagnose_function.h"
 #include "sansmesh/functions.h"
 #include "sansmesh/image.h"

@@ -1,3 +1,6 @@
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/function/edit_function.h"
+#include "sansmesh/function/update_mesh.h"
 #include "sansmesh/functions.h"
 
 #include <fmt/core.h>

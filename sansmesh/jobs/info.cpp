@@ -1,4 +1,10 @@
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/partition/partition_data.h"
 #include "sansmesh/points.h"
+#include "sansmesh/points/given_normals.h"
+#include "sansmesh/points/noise.h"
 
 #include <fmt/core.h>
 

@@ -8,15 +8,10 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/points.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/fit_options.h"
-#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
+#include "sansmesh/points.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/polyline_set.h"
 #include "sansmesh/render/render_options.h"

@@ -1,3 +1,6 @@
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/field/level_set_curvature.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/functions.h"
 
 #include <algorithm>

@@ -1,4 +1,14 @@
 #include "sansmesh/reconstruct.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/model/surface_method.h"
+#include "sansmesh/model/surface_model.h"
+#include "sansmesh/option.h"
+#include "sansmesh/partition/partition_data.h"
+#include "sansmesh/points.h"
+#include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/repair.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

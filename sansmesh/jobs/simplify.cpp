@@ -1,4 +1,8 @@
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/mesh/mesh_distance.h"
+#include "sansmesh/option.h"
 #include "sansmesh/repair.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

@@ -97,6 +97,8 @@ const std::string& SolidModel::expression() const { return parts_->expression; }
 
 const std::vector<std::string>& SolidModel::files() const { return parts_->files; }
 
+Box3 SolidModel::bounds() const { return parts_->solid.bounds(); }
+
 const std::vector<Note>& SolidModel::notes() const { return parts_->notes; }
 
 ComponentChoice SolidModel::usual_components() const {

@@ -5,14 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/option.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/triangle_mesh.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/note.h"
 #include "sansmesh/surface_function.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 

@@ -6,13 +6,8 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/box.h"
 #include "sansmesh/measure/smallest_box.h"
-#include "sansmesh/mesh_measures.h"
 #include "sansmesh/solid_measures.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vec.h"

@@ -8,9 +8,6 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/measure/signed_distance.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"

@@ -6,10 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/box.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/scalar_field.h"

@@ -5,10 +5,6 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/solid_measures.h"
 #include "sansmesh/vec.h"
 

@@ -6,8 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/affine_map.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/option.h"

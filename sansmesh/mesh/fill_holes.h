@@ -6,9 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/repair_options.h"

@@ -7,10 +7,6 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"

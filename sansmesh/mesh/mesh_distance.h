@@ -4,10 +4,6 @@
 #include <cstddef>
 #include <optional>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"

@@ -3,10 +3,6 @@
 
 #include <cstddef>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/triangle_mesh.h"
 

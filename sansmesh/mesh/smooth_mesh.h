@@ -4,9 +4,6 @@
 #include <cstddef>
 #include <optional>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/repair_options.h"

@@ -3,10 +3,6 @@
 
 #include <string>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/option.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {

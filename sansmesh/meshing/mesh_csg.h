@@ -6,9 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/field/piecewise_field.h"
 #include "sansmesh/mesh_options.h"

@@ -6,10 +6,6 @@
 #include <functional>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/placement.h"

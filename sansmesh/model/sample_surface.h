@@ -3,13 +3,7 @@
 
 #include <cstddef>
 
-#include "sansmesh/points.h"
-#include "sansmesh/fit_options.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/error.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"

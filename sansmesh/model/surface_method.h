@@ -8,23 +8,18 @@
 #include <string_view>
 #include <vector>
 
-#include "sansmesh/fit_options.h"
-#include "sansmesh/points.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/option.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/triangle_mesh.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
+#include "sansmesh/option.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/schema/registry.h"
 #include "sansmesh/surface/surface_samples.h"
 #include "sansmesh/surface_options.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 

@@ -8,14 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/points.h"
-#include "sansmesh/repair.h"
-#include "sansmesh/fit_options.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/error.h"
-#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/color_field.h"
 #include "sansmesh/field/normal_field.h"

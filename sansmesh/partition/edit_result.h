@@ -6,12 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/box.h"
-#include "sansmesh/fit_options.h"
 #include "sansmesh/partition/partition_data.h"
 #include "sansmesh/vec.h"
 

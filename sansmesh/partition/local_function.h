@@ -4,10 +4,6 @@
 #include <array>
 #include <cstdint>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/fit_options.h"
 #include "sansmesh/vec.h"
 

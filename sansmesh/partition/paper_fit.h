@@ -16,11 +16,6 @@
 
 #include <cstddef>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/option.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/triangle_mesh.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/fit_options.h"
 #include "sansmesh/partition/paper_options.h"
 #include "sansmesh/partition/partition_data.h"

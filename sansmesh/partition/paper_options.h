@@ -4,10 +4,6 @@
 #include <array>
 #include <cstddef>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/fit_options.h"
 #include "sansmesh/triangulation/block_tree.h"
 

@@ -6,10 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/core/shared_array.h"
 #include "sansmesh/fit_options.h"
 #include "sansmesh/partition/local_function.h"

@@ -5,14 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/repair.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/option.h"
-#include "sansmesh/inspect.h"
-#include "sansmesh/triangle_mesh.h"
-#include "sansmesh/fit_options.h"
 #include "sansmesh/partition/partition_data.h"
 #include "sansmesh/scalar_field.h"
+#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh::inline v1 {

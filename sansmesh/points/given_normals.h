@@ -4,10 +4,6 @@
 #include <optional>
 #include <string>
 
-#include "sansmesh/option.h"
-#include "sansmesh/attribute_table.h"
-#include "sansmesh/triangle_mesh.h"
-#include "sansmesh/inspect.h"
 #include "sansmesh/cloud_options.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/orientation.h"

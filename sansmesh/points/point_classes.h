@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "sansmesh/attribute_table.h"
 #include "sansmesh/cloud_options.h"
 #include "sansmesh/point_set.h"
 

@@ -8,6 +8,7 @@
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/surface/surface_samples.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 

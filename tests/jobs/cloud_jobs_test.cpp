@@ -8,6 +8,8 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/points.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/surface/curvature_colors.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"
@@ -137,7 +139,7 @@ TEST(ProjectJob, RefusesWhatMeansNothing) {
   refuses({.method = "lop", .cloud = {.remove_outliers = true}});
   refuses({.method = "lop"}, sphere(100));
   ProjectOptions sharp{.method = "lop"};
-  sharp.surface.sharp = SurfaceOptions::SharpFormula::bilateral;
+  sharp.surface.sharp = SharpFormula::bilateral;
   refuses(sharp);
 }
 

@@ -10,6 +10,7 @@
 #include "sansmesh/inspect.h"
 #include "sansmesh/jobs/align_picture.h"
 #include "sansmesh/jobs/compare_picture.h"
+#include "sansmesh/measure/signed_distance.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"
 

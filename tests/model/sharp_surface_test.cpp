@@ -28,7 +28,7 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 TriangleMesh mesh_of(const PointSet& cloud, bool sharp, ReconstructReport* report = nullptr) {
   ReconstructOptions options;
   options.surface = {};
-  if (sharp) options.surface.sharp = SurfaceOptions::SharpFormula::bilateral;
+  if (sharp) options.surface.sharp = SharpFormula::bilateral;
   Progress progress;
   ReconstructResult made = reconstruct(cloud, options, progress);
   if (report) *report = made.report;

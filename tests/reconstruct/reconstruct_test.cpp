@@ -1,4 +1,7 @@
 #include "sansmesh/reconstruct.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/partition/partition_data.h"
 
 #include <gtest/gtest.h>
 

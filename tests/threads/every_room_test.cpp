@@ -252,7 +252,7 @@ TEST_P(EverySurface, IsShownAndSampled) {
   const PointSet cloud = colored_torus(3000);
   SurfaceOptions options;
   options.method = GetParam();
-  if (options.method == "apss" || options.method == "levin") options.sharp = SurfaceOptions::SharpFormula::bilateral;
+  if (options.method == "apss" || options.method == "levin") options.sharp = SharpFormula::bilateral;
   if (options.method == "amls") options.order = 4, options.iterations = 3;
   test::expect_equal_for_any_threads([&] {
     Progress progress;
@@ -278,7 +278,7 @@ TEST(EveryRoom, SurfacesWithoutAMeshAreMeshed) {
     Findings found;
     ReconstructOptions options;
     for (const char* const method : {"apss", "curvature"}) {
-      options.surface = {.method = method, .sharp = SurfaceOptions::SharpFormula::bilateral};
+      options.surface = {.method = method, .sharp = SharpFormula::bilateral};
       found << reconstruct(test::torus(2500), options, progress).mesh;
     }
     return found;
