@@ -25,6 +25,7 @@ struct MapAnswers {
 /// maker says which.
 class SANSMESH_API SpaceMap {
  public:
+  /// Owners may hold it as a SpaceMap.
   virtual ~SpaceMap() = default;
 
   /// All that is wanted at all of x. Where the map is not defined (outside of tetrahedra) positions are NaN. Each

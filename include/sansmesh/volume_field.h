@@ -23,11 +23,13 @@ struct VolumeAnswers {
   std::span<std::uint8_t> degrees;  ///< one a point: degree of the polynomials that the answer is made of, 0 if of none
 };
 
+/// A quantity on a volume, of one or several components. Several threads may ask one field at a time.
 class SANSMESH_API VolumeField {
  public:
+  /// Owners may hold it as a VolumeField.
   virtual ~VolumeField() = default;
 
-  /// Of the volume: it lies in here.
+  /// Box that the volume lies in.
   virtual Box3 bounds() const = 0;
   /// Numbers a point: 1 of a scalar, 3 of a vector.
   virtual std::size_t components() const = 0;
