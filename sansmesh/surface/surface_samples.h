@@ -10,6 +10,7 @@
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
+#include "sansmesh/surface_options.h"
 
 namespace sansmesh::inline v1 {
 

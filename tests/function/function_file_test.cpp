@@ -10,6 +10,7 @@
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/reconstruct.h"
+#include "sansmesh/surface_function.h"
 #include "support/any_threads.h"
 #include "support/same_bytes.h"
 #include "support/section_bytes.h"
