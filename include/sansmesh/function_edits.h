@@ -46,7 +46,7 @@ struct SANSMESH_API EditSelection {
   std::optional<int> level_to;    ///< its block lies on this level of the tree or above, 0..20
   std::optional<Vec3> sheet_at;   ///< on the connected sheet at this place (within two edges of a block there)
   /// On a sheet that hardly any samples stand for, or that is small beside the largest one; of sheets that bound no
-  /// solid (Support::open) only on those that fewer than five samples stand for.
+  /// solid only on those that fewer than five samples stand for.
   bool spurious_sheets = false;
   bool all_but_largest = false;  ///< not on the largest sheet
 

@@ -95,17 +95,17 @@ struct MeshReport {
 /// What the mesh of a solid should be like. Lengths in the unit of its expression.
 struct SANSMESH_API CsgMeshOptions {
   /// Accepted mean distance between curved parts and their triangles (length); by default a 50,000th of the diagonal of
-  /// the box. Of fields that are no PieceExpression: of that of simplification.
+  /// the box. Of solids that are more than minima and maxima of smooth pieces (deformed ones): as simplification asks
+  /// for.
   std::optional<double> mesh_error = std::nullopt;
   /// At most this many triangles, at least 4: the mesh error then follows from it.
   std::optional<std::size_t> triangles = std::nullopt;
   /// Edge of the blocks along curved parts, whatever the error, and of the smallest ones (length). Balls, rods and
-  /// tubes thinner than one of them can be lost; a warning says so of those that are known to be
-  /// thin.
+  /// tubes thinner than one of them can be lost; a warning says so of those that are known to be thin.
   std::optional<double> cell = std::nullopt;
   /// Instead: such blocks along the longest side of the box, 4..4096. With neither, blocks are as small as the error
-  /// and thin parts ask for. Of fields that are no PieceExpression: the box's diagonal has 256, or up to 1024 where
-  /// functions show more (function_solid.h) or parts are thin.
+  /// and thin parts ask for. Of solids that are more than minima and maxima of smooth pieces: the box's diagonal has
+  /// 256, or up to 1024 where functions show more or parts are thin.
   std::optional<int> resolution = std::nullopt;
   /// The solid is cut off at this box. Needed if it has no end otherwise.
   std::optional<Box3> box = std::nullopt;
