@@ -54,7 +54,7 @@ struct Recommendation {
   /// What is to be made: a mesh, a picture without one, curvatures, denoised or new points, a solid (editing, CSG), or
   /// a deformation.
   enum class Aim { mesh, picture, curvature, points, solid, deformation };
-  Aim aim;                       ///< what this is a recommendation for
+  Aim aim = Aim::mesh;           ///< what this is a recommendation for
   std::string surface;           ///< the method, by name (SurfaceOptions::method)
   bool sharp = false;            ///< SurfaceOptions::sharp
   bool remove_outliers = false;  ///< CloudUse::remove_outliers

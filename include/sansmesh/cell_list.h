@@ -27,8 +27,8 @@ SANSMESH_API std::span<const std::array<std::uint8_t, 2>> cell_edges(CellShape s
 
 /// A face of a cell: `count` (3 or 4) of its corners in a ring, counter-clockwise seen from outside.
 struct CellFace {
-  std::uint8_t count;                  ///< number of corners, 3 or 4
-  std::array<std::uint8_t, 4> corner;  ///< numbers within the cell; the first `count` mean something
+  std::uint8_t count = 0;                ///< number of corners, 3 or 4
+  std::array<std::uint8_t, 4> corner{};  ///< numbers within the cell; the first `count` mean something
 };
 /// Faces of a cell.
 SANSMESH_API std::span<const CellFace> cell_faces(CellShape shape);

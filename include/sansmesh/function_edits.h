@@ -25,8 +25,8 @@ namespace sansmesh::inline v1 {
 struct SANSMESH_API EditSelection {
   /// A ball in space.
   struct Ball {
-    Vec3 center;    ///< position in the input
-    double radius;  ///< length, > 0
+    Vec3 center;        ///< position in the input
+    double radius = 0;  ///< length, > 0
   };
   /// One side of a plane.
   struct HalfSpace {
@@ -56,7 +56,7 @@ struct SANSMESH_API EditSelection {
 
 /// Polynomials of another degree, or of the highest below it that the samples determine; creases go.
 struct SetDegree {
-  int degree;  ///< 0..4, or kAutomaticDegree: of each support the highest that its samples allow
+  int degree = 0;  ///< 0..4, or kAutomaticDegree: of each support the highest that its samples allow
 };
 
 /// Fitted again with other options. What is absent is as it was when the whole was fitted; with nothing set, edited
@@ -144,13 +144,13 @@ struct SANSMESH_API DiagnoseOptions {
 
 /// A place where the function should not be trusted without a look.
 struct SuspiciousPlace {
-  Suspicion kind;            ///< why
-  Vec3 position;             ///< middle (input)
-  Vec3 normal;               ///< of the surface there, outward, on average; 0 if it faces all ways
-  double radius = 0;         ///< of a ball around it (length)
-  std::size_t supports = 0;  ///< that are concerned
-  double worst = 0;          ///< coverage, error (length), area (length²) or gradient
-  std::optional<Edit> edit;  ///< that may mend it
+  Suspicion kind = Suspicion::low_coverage;  ///< why
+  Vec3 position;                             ///< middle (input)
+  Vec3 normal;                               ///< of the surface there, outward, on average; 0 if it faces all ways
+  double radius = 0;                         ///< of a ball around it (length)
+  std::size_t supports = 0;                  ///< that are concerned
+  double worst = 0;                          ///< coverage, error (length), area (length²) or gradient
+  std::optional<Edit> edit;                  ///< that may mend it
 };
 
 /// Suspicious places of a function.

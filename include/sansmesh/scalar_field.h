@@ -14,8 +14,8 @@ namespace sansmesh::inline v1 {
 
 /// An interval of values, both ends included.
 struct ValueRange {
-  double least;  ///< lower end, may be −infinity
-  double most;   ///< upper end, may be infinity
+  double least = 0;  ///< lower end, may be −infinity
+  double most = 0;   ///< upper end, may be infinity
   /// Whether 0 lies in it: a surface is possible.
   bool holds_zero() const { return least <= 0 && most >= 0; }
 };
