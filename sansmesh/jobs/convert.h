@@ -16,7 +16,7 @@
 namespace sansmesh::inline v1 {
 
 struct ConvertOptions {
-  bool points = false;                  ///< of a mesh the vertices alone, from the start
+  bool vertices_only = false;           ///< of a mesh the vertices alone, from the start
   std::vector<ConvertStep> steps = {};  ///< in their order
 
   /// Without the steps, which have schemas of their own.

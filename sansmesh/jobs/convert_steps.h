@@ -45,7 +45,7 @@ struct ScaleStep {
   bool about_center = false;
   static const OptionSchema& schema();
 };
-/// "y,x,z" swaps two (a mirror image), "x,-z,y" turns y up into z up: "axes".
+/// "y,x,z" swaps two (a mirror image), "x,-z,y" turns y up into z up: "new_axes".
 struct AxesStep {
   std::string axes = "x,y,z";
   static const OptionSchema& schema();
@@ -61,18 +61,19 @@ struct UnitStep {
   std::string from = "m", to = "m";
   static const OptionSchema& schema();
 };
-/// What lies in the box, or outside of it; meshes are cut along it: "crop", "crop_out".
+/// What lies in the box, or outside of it; meshes are cut along it: "box", "outside_box".
 struct CropStep {
   Box3 box = {};
   bool inside = true;
   static const OptionSchema& schema();
 };
-/// Fewer points: no two closer than this, and none missing that would be farther from all (length, > 0): "spacing".
+/// Fewer points: no two closer than this, and none missing that would be farther from all (length, > 0):
+/// "point_spacing".
 struct SpacingStep {
   double distance = 0;
   static const OptionSchema& schema();
 };
-/// Fewer points: so many, drawn by chance, always the same ones: "count".
+/// Fewer points: so many, drawn by chance, always the same ones: "point_count".
 struct CountStep {
   std::size_t count = 0;
   static const OptionSchema& schema();
@@ -102,7 +103,7 @@ struct FlipStep {
 using ConvertStep = std::variant<TransformStep, TranslateStep, CenterStep, RotateStep, ScaleStep, AxesStep, UpStep,
                                  UnitStep, CropStep, SpacingStep, CountStep, EveryStep, ChooseStep, WeldStep, FlipStep>;
 
-/// "crop_out".
+/// "outside_box".
 std::string_view step_name(const ConvertStep& step);
 /// Throws ArgumentError.
 void validate_step(const ConvertStep& step);

@@ -23,9 +23,9 @@ struct ProjectOptions {
   std::string method = "auto";
   /// So many new points, spread evenly, instead of moving those given: 1..2·10⁹. Of lop half as many as there are by
   /// default.
-  std::optional<std::size_t> points = {};
+  std::optional<std::size_t> point_count = {};
   ProjectToSurface steps = {};
-  LopOptions lop = {};          ///< its `points` follow from those above
+  LopOptions lop = {};          ///< its `points` follow from `point_count`
   SurfaceOptions surface = {};  ///< its method follows from `method`
   CloudUse cloud = {};          ///< of the samples
 

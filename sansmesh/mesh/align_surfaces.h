@@ -28,7 +28,7 @@ struct SurfaceAlignmentOptions {
   /// Steps of each search at most, 1..1000.
   int iterations = 100;
   /// Also find one factor for all lengths.
-  bool scale = false;
+  bool find_scale = false;
 
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.

@@ -12,7 +12,7 @@
 namespace sansmesh::inline v1 {
 
 struct ProjectToSurface {
-  int steps = 10;           ///< at most, 1..1000
+  int most_steps = 10;      ///< at most, 1..1000
   double tolerance = 1e-3;  ///< a step shorter than this share of the samples' spacing is the last, 1e-6..1
 
   static const OptionSchema& schema();

@@ -25,11 +25,11 @@ struct SurfaceOptions {
   std::optional<double> smoothing = {};    ///< width of the weights over the local spacing, 0.5..20
   std::optional<double> bandwidth = {};    ///< the same as one length for the whole cloud
   SurfaceWeights weights = SurfaceWeights::compact;
-  std::optional<int> order = {};       ///< of the approximation: 2, 4 or 6
-  std::optional<int> iterations = {};  ///< of the approximation, 0..100: 0 smooths most
-  std::optional<double> epsilon = {};  ///< shape parameter of the approximation, 0.05..20
-  Normal normal = Normal::standard;    ///< of mean planes, or beside the gradient
-  Plane plane = Plane::iterated;       ///< under the polynomials
+  std::optional<int> order = {};            ///< of the approximation: 2, 4 or 6
+  std::optional<int> iterations = {};       ///< of the approximation, 0..100: 0 smooths most
+  std::optional<double> epsilon = {};       ///< shape parameter of the approximation, 0.05..20
+  Normal normal = Normal::standard;         ///< of mean planes, or beside the gradient
+  Plane reference_plane = Plane::iterated;  ///< under the polynomials
   Polynomial polynomial = Polynomial::quadratic;
   Flow flow = Flow::fit;                           ///< how points get onto the surface
   Diffusion diffusion = Diffusion::none;           ///< whether samples off the surface count less

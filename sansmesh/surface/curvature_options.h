@@ -36,8 +36,8 @@ struct CurvatureOptions {
   int tau = 2;  ///< 1..4
   /// h above (length, > 0): neighbours are the samples within 1.6 h. Default: the distance of the farthest of
   /// `neighbours` / 1.6, so that neighbourhoods follow the density.
-  std::optional<double> radius = {};
-  /// Samples in a neighbourhood, 8..2000; default: `choose_curvature_neighbours`. Not used with `radius`.
+  std::optional<double> bandwidth = {};
+  /// Samples in a neighbourhood, 8..2000; default: `choose_curvature_neighbours`. Not used with `bandwidth`.
   std::optional<int> neighbours = {};
   /// Let the fitted surface pass at a distance from the place, which may itself be noisy.
   bool offset = true;

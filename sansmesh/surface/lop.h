@@ -30,7 +30,7 @@ struct LopOptions {
   /// Where the points start.
   std::uint64_t seed = 1;
 
-  /// Radius and repulsion.
+  /// All but the number of points, the normals and the seed.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
