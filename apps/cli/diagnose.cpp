@@ -131,7 +131,7 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
 Command add_diagnose(CommandLine& app) {
   CommandLine& c = app.add_subcommand("diagnose", "Function file → suspicious places, a picture, and edits to try");
   auto a = std::make_shared<DiagnoseArguments>();
-  c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
+  c.add_option("input", a->input, "Function, .smf").type_name("FILE").endings({".smf"}).required();
   c.add_option("--script-output", a->script, "Write a script for `sansmesh edit`, one step for each place: .json")
       .once_called("--script")
       .type_name("FILE");

@@ -197,16 +197,19 @@ Command add_info(CommandLine& app) {
             const bool said = says_volume(input->files);
             if (*as_one || input->files.size() == 1) return run_any_info(*input, *volume, said, console);
             console.list_results();
-            for (std::size_t i = 0; i < input->files.size(); ++i) {
+            bool told = false;
+            for (const std::string& file : input->files) {
               CloudInput one = *input;
-              one.files = {input->files[i]};
-              if (i > 0) console.say("");
+              one.files = {file};
+              if (std::exchange(told, true)) console.say("");
               try {
                 run_any_info(one, *volume, said, console);
               } catch (const FileError& error) {
-                console.fail(one.files[0], words_of_file_error(error, c));
+                told = false;
+                console.fail(file, words_of_file_error(error, c));
               } catch (const DataError& error) {
-                console.fail(one.files[0], one.files[0] + ": " + console.in_flags(error.what()));
+                told = false;
+                console.fail(file, file + ": " + console.in_flags(error.what()));
               }
             }
           }};

@@ -16,10 +16,11 @@ constexpr const char *kIn = "/dev/stdin", *kOut = "/dev/stdout";
 /// What is a file on the command line, or may be one.
 bool takes_files(const OptionEntry& option) { return option.is_file() || option.value_name == "INPUT"; }
 
-/// The ending that goes without saying; empty if there is none.
+/// The ending that goes without saying; empty if there is none. Descriptions of what is read name some of many.
 std::string ending_by_itself(const OptionEntry& option) {
+  if (!writes_file(option)) return option.endings.size() == 1 ? option.endings[0] : "";
   const std::vector<std::string> endings = option.file_endings();
-  return endings.empty() || (!writes_file(option) && endings.size() > 1) ? "" : endings[0];
+  return endings.empty() ? "" : endings[0];
 }
 
 }  // namespace
