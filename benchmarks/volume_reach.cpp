@@ -125,7 +125,7 @@ void frames(Volume& volume) {
   bake.places = volume.samples->positions;
   const Spent baking = timed([&] { baked = std::make_unique<BakedVolume>(*field, bake, volume.progress); });
   VolumePictureOptions quick = options;
-  quick.step = 1.5, quick.least_light = 0.01;  // as --interactive has them
+  quick.step = 1.5, quick.least_light = 0.01;  // as --baked has them
   quick.transfer = direct.report.transfer;
   const Frames interactive = run(*baked, quick);
 
@@ -148,7 +148,7 @@ void frames(Volume& volume) {
   fmt::print(
       R"({{"array":"{}","samples":{},"fit_wall":{:.4f},"fit_cpu":{:.4f},"shape":{},"iterations":{},"bake_wall":{:.4f},"bake_cpu":{:.4f},"bricks":{},"bake_error":{:.6f},"direct":{},"interactive":{},"camera":{{"position":{},"center":{},"up":{},"half_height":{:.9g}}},"unit":{:.9g},"colors":[{}],"opacities":[{}]}})"
       "\n",
-      volume.array, volume.samples->size(), fit.wall, fit.cpu, report.options.shape.value_or(0),
+      volume.array, volume.samples->size(), fit.wall, fit.cpu, report.options.epsilon.value_or(0),
       report.options.iterations.value_or(0), baking.wall, baking.cpu, baked->report().bricks,
       baked->report().error_mean, as_json(direct), as_json(interactive),
       vector(frame.center + Vec3(camera.position) * frame.size),

@@ -103,7 +103,11 @@ struct WritePose {
     write_text(file, file.ends_with(".svg") ? section_svg(sections, {.unit = a.unit}) : section_csv(sections));
   }
   void operator()(const GridBlock& block) const { write_volume(file, block); }
-  void operator()(const Image& image) const { a.picture.write(file, image, a.options.look); }
+  void operator()(const DeformedPicture& picture) const {
+    RenderOptions look = a.options.look;
+    look.width -= picture.bar;
+    a.picture.write(file, picture.image, look);
+  }
 };
 
 UsePose to_files(const DeformArguments& a, Deformed& deformed, Console& console) {
@@ -194,7 +198,7 @@ Deformed deform_volume(DeformArguments& a, const Deformation& deformation, Conso
   VolumePictureOptions& look = a.options.look;
   if (picture) {
     a.colors.put_into(look);
-    for (const std::string& text : a.clips) look.cuts.push_back(volume_cut_of(text));
+    for (const std::string& text : a.clips) look.clips.push_back(volume_cut_of(text));
     look.color_bar = !a.no_bar;
     look.validate();
   }
@@ -322,7 +326,7 @@ Command add_deform(CommandLine& app) {
   add_schema(c, a.options.look, {.group = volumes, .only = {"shading"}});
   c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group(volumes);
 
-  add_schema(c, a.options, {.group = "Picture", .only = {"exact", "draw_handles", "draw_folds"}});
+  add_schema(c, a.options, {.group = "Picture", .only = {"exact_deformation", "draw_handles", "draw_folds"}});
   add_background_option(c, a.background);
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);

@@ -219,8 +219,9 @@ Command add_simulate(CommandLine& app) {
   c.add_option("--animation", a.animation, "Pictures of all frames in one file, an animated PNG that browsers play")
       .type_name("FILE");
   c.add_option("--energies", a.energies, "Energies, iterations and contacts of every step: .csv").type_name("FILE");
-  c.add_option("--surface", a.surface, "Mesh that moves with the tetrahedra, in place of their boundary")
-      .type_name("FILE");
+  c.add_option("--embedded-mesh", a.surface, "Mesh that moves with the tetrahedra, in place of their boundary")
+      .type_name("FILE")
+      .once_called("--surface");
   const char* const body = "Body";
   c.add_option("--fixed", a.fixed, "List of vertices that stay where they are (.bou), numbered as in TETS")
       .type_name("FILE")
@@ -229,8 +230,9 @@ Command add_simulate(CommandLine& app) {
              {.group = body, .only = {"model", "stiffness", "young", "poisson", "damping", "density", "unit"}});
   add_schema(c, a.options, {.group = "Time", .only = {"duration", "fps", "frames", "integrator", "longest_step"}});
   const char* const seen = "Volume";
-  c.add_option("--volume", a.volume_file, "Volume that moves with the tetrahedra, for pictures")
+  c.add_option("--embedded-volume", a.volume_file, "Volume that moves with the tetrahedra, for pictures")
       .type_name("FILE")
+      .once_called("--volume")
       .group(seen);
   c.add_option("--array", a.volume.array, "Of the volume [the first that varies]").type_name("NAME").group(seen);
   a.colors.add_options(c, seen);
@@ -243,10 +245,10 @@ Command add_simulate(CommandLine& app) {
       "--z-up: "
       "z).\nScenes: docs/formats/scene.md. Without one the body falls onto a floor; with --fixed it hangs.\n\n"
       "Examples:\n"
-      "  sansmesh simulate turtle.veg --fixed turtle.bou --surface turtle.obj -o turtle.ply\n"
+      "  sansmesh simulate turtle.veg --fixed turtle.bou --embedded-mesh turtle.obj -o turtle.ply\n"
       "  sansmesh simulate dolphin.msh --unit cm --animation dolphin.png --width 480 --height 360\n"
       "  sansmesh simulate bar.msh --forces twist.json -o twist.vtu --energies twist.csv      # open twist.pvd\n"
-      "  sansmesh simulate head.msh --forces pull.json --volume head.vti --preset ct-bone -o head.png\n"
+      "  sansmesh simulate head.msh --forces pull.json --embedded-volume head.vti --preset ct-bone -o head.png\n"
       "  twist.json: {\"fixed\": {\"side\": \"-x\"},\n"
       "               \"handles\": {\"on\": {\"side\": \"+x\"}, \"turn\": {\"axis\": [1, 0, 0], \"degrees\": 180}}}");
   return {&c, [shared](Console& console) { run_simulate(*shared, console); }};

@@ -53,7 +53,7 @@ void describe_fitted(const FittedVolume& fitted, Console& console, Json& json) {
   const auto add = [&](const char* name, const auto& value) {
     if (value) options += fmt::format("{}{} {}", options.empty() ? "" : ", ", name, *value);
   };
-  add("degree at most", o.degree), add("radius", o.radius), add("shape", o.shape), add("order", o.order);
+  add("degree at most", o.degree), add("radius", o.radius), add("epsilon", o.epsilon), add("order", o.order);
   add("iterations", o.iterations);
   if (o.spherical.value_or(false)) options += options.empty() ? "spherical" : ", spherical";
   say(console, "fitted",
@@ -65,7 +65,7 @@ void describe_fitted(const FittedVolume& fitted, Console& console, Json& json) {
                             {"method", method},
                             {"degree", o.degree},
                             {"radius", o.radius},
-                            {"shape", o.shape},
+                            {"epsilon", o.epsilon},
                             {"order", o.order},
                             {"iterations", o.iterations},
                             {"spherical", o.spherical.value_or(false)},

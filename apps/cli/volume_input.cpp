@@ -58,11 +58,17 @@ Json json_of_volume(const VolumeInput& input, VolumeModel& volume, Progress& pro
   return json;
 }
 
-bool names_volume(std::vector<std::string>& files) {
+bool says_volume(std::vector<std::string>& files) {
   const bool said = files.size() > 1 && files[0] == "data";
   if (said) files.erase(files.begin());
-  return said || std::all_of(files.begin(), files.end(), is_volume_name);
+  return said;
 }
+
+bool are_volumes(const std::vector<std::string>& files) {
+  return std::all_of(files.begin(), files.end(), holds_volume);
+}
+
+bool names_volume(std::vector<std::string>& files) { return says_volume(files) || are_volumes(files); }
 
 NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console) {
   VolumeInput input;

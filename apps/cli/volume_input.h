@@ -38,8 +38,12 @@ std::string method_line(const VolumeModel& volume);
 /// "array", "method", "samples", "grid", …
 Json json_of_volume(const VolumeInput& input, VolumeModel& volume, Progress& progress);
 
-/// Whether files that were given to a command of points are a volume: the word `data` before them says so (and is taken
-/// away), or that they can be nothing else.
+/// Whether the word `data` before files that were given to a command of points says that they are a volume; it is taken
+/// away.
+bool says_volume(std::vector<std::string>& files);
+/// Whether they can be nothing else.
+bool are_volumes(const std::vector<std::string>& files);
+/// One or the other.
 bool names_volume(std::vector<std::string>& files);
 
 /// A surface in a volume that is named FILE[ARRAY=VALUE].

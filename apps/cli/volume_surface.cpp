@@ -38,15 +38,15 @@ struct VolumeSurfaceArguments {
 };
 
 void VolumeSurfaceArguments::check() const {
-  require(!output.empty() || !points.empty(), "--output or --points is needed");
+  require(!output.empty() || !points.empty(), "--output or --points-output is needed");
   require(frames == 0 || frames >= 2, "--frames must be at least 2");
   require(to_picture() || (options_set(look).empty() && frames == 0),
           "--color-by, --sharp and --frames need a picture");
   require(to_picture() || !picture.any(), "options of the picture need one: -o FILE.png");
   require(!look.color_by.empty() || (unit.empty() && !no_bar), "--unit and --no-bar are of the bar of --color-by");
-  require(!distance || !points.empty(), "--distance needs --points");
-  require(!distance || *distance > 0, "--distance must be positive");
-  require(output != points, "--output and --points are the same file");
+  require(!distance || !points.empty(), "--point-spacing needs --points-output");
+  require(!distance || *distance > 0, "--point-spacing must be positive");
+  require(output != points, "--output and --points-output are the same file");
   if (!output.empty()) check_writable(output, to_picture() ? "image" : "mesh");
   if (!points.empty()) check_writable(points, "points");
   options.validate();
@@ -177,9 +177,12 @@ Command add_volume_surface(CommandLine& volume) {
   VolumeSurfaceArguments& a = *shared;
   add_volume_input(c, a.input);
   c.add_option("-o,--output", a.output, "Picture (.png) or mesh (.ply, .obj, .stl, …) to write").type_name("FILE");
-  c.add_option("--points", a.points, "Also or only: points spread evenly over the surface, with normals")
-      .type_name("FILE");
-  c.add_option("--distance", a.distance, "Between these points [the spacing of the samples]").type_name("LENGTH");
+  c.add_option("--points-output", a.points, "Also or only: points spread evenly over the surface, with normals")
+      .type_name("FILE")
+      .once_called("--points");
+  c.add_option("--point-spacing", a.distance, "Distance of these points [the spacing of the samples]")
+      .type_name("LENGTH")
+      .once_called("--distance");
   add_schema(c, a.options, {.only = {"value", "high_gradient"}});
   add_schema(c, a.options.surface, {.group = "Weights", .without = {"high_gradient"}});
   add_schema(c, a.look, {.group = "Picture"});

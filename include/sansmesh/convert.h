@@ -55,7 +55,7 @@ struct SANSMESH_API ScaleStep {
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// Exchanges the axes: "y,x,z" swaps two (a mirror image), "x,-z,y" turns y up into z up: "axes".
+/// Exchanges the axes: "y,x,z" swaps two (a mirror image), "x,-z,y" turns y up into z up: "new_axes".
 struct SANSMESH_API AxesStep {
   std::string axes = "x,y,z";           ///< as axes_map reads it
   static const OptionSchema& schema();  ///< a row a field
@@ -78,20 +78,20 @@ struct SANSMESH_API UnitStep {
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// Keeps what lies in the box, or outside of it; meshes are cut along it: "crop", "crop_out".
+/// Keeps what lies in the box, or outside of it; meshes are cut along it: "box", "outside_box".
 struct SANSMESH_API CropStep {
   Box3 box = {};                        ///< in the coordinates of the data as they then are; must not be empty
   bool inside = true;                   ///< keep what lies in it; otherwise what lies outside
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// Fewer points: no two closer than a distance, and none missing that would be farther from all: "spacing".
+/// Fewer points: no two closer than a distance, and none missing that would be farther from all: "point_spacing".
 struct SANSMESH_API SpacingStep {
   double distance = 0;                  ///< length, > 0
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// Fewer points: so many, drawn by chance, always the same ones: "count".
+/// Fewer points: so many, drawn by chance, always the same ones: "point_count".
 struct SANSMESH_API CountStep {
   std::size_t count = 0;                ///< how many stay, 1..2·10⁹
   static const OptionSchema& schema();  ///< a row a field
@@ -127,7 +127,7 @@ struct SANSMESH_API FlipStep {
 using ConvertStep = std::variant<TransformStep, TranslateStep, CenterStep, RotateStep, ScaleStep, AxesStep, UpStep,
                                  UnitStep, CropStep, SpacingStep, CountStep, EveryStep, ChooseStep, WeldStep, FlipStep>;
 
-/// Name of a step, as it stands behind the kind above: "crop_out".
+/// Name of a step, as it stands behind the kind above: "outside_box".
 SANSMESH_API std::string_view step_name(const ConvertStep& step);
 
 /// Throws ArgumentError for values that are not allowed.
@@ -172,7 +172,7 @@ struct SANSMESH_API CloudOrMesh {
 
 /// Steps of a conversion.
 struct SANSMESH_API ConvertOptions {
-  bool points = false;                  ///< of a mesh the vertices alone, from the start
+  bool vertices_only = false;           ///< of a mesh the vertices alone, from the start
   std::vector<ConvertStep> steps = {};  ///< in their order
 
   /// Without the steps, which have schemas of their own.

@@ -129,7 +129,7 @@ struct SANSMESH_API SurfaceAlignmentOptions {
   /// Steps of each search at most, 1..1000.
   int iterations = 100;
   /// Also find one factor for all lengths.
-  bool scale = false;
+  bool find_scale = false;
 
   static const OptionSchema& schema();  ///< a row a field
   /// Throws ArgumentError naming the field.

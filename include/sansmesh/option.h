@@ -68,7 +68,7 @@ struct OptionFacts {
   std::string_view needs = {};                         ///< an option without which this one means nothing
   std::string_view excludes = {};                      ///< an option that cannot be set as well
   std::span<const std::string_view> usual_words = {};  ///< of a text: some that it may be, to be offered
-  std::string_view old_name = {};                      ///< a name that it had: understood, and warned of
+  std::string_view old_name = {};  ///< that it had, understood and warned of; a flag that is on by itself: turned off
 };
 
 /// One field of an options struct: what is said of it, its type, and how it is read and written. Made by option(),

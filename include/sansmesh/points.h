@@ -135,9 +135,9 @@ struct SANSMESH_API ProjectOptions {
   std::string method = "auto";
   /// So many new points, spread evenly, instead of moving those given: 1..2·10⁹. Of lop half as many as there are by
   /// default.
-  std::optional<std::size_t> points = {};
+  std::optional<std::size_t> point_count = {};
   ProjectToSurface steps = {};  ///< how points move onto a surface
-  LopOptions lop = {};          ///< its `points` follow from those above
+  LopOptions lop = {};          ///< its `points` follow from `point_count`
   SurfaceOptions surface = {};  ///< its method follows from `method`
   CloudUse cloud = {};          ///< of the samples
 

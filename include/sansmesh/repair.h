@@ -48,7 +48,7 @@ SANSMESH_API FillResult fill(TriangleMesh mesh, const FillOptions& options, Prog
 struct SmoothResult {
   TriangleMesh mesh;    ///< with the vertices moved
   SmoothReport report;  ///< how far they moved
-  /// "shortened": `length` would take more rounds than there may be; "moved_far": more than noise is gone.
+  /// "shortened": `shorter_than` would take more rounds than there may be; "moved_far": more than noise is gone.
   std::vector<Note> notes;
 };
 

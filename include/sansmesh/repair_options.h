@@ -83,15 +83,15 @@ struct FillReport {
 
 /// How far a mesh is smoothed, and what is kept.
 struct SANSMESH_API SmoothOptions {
-  /// Pairs of steps, 1..10000; with `creases` rounds over the normals. Default: what `length` asks for; else 10, with
-  /// `creases` 8.
+  /// Pairs of steps, 1..10000; with `creases` rounds over the normals. Default: what `shorter_than` asks for; else 10,
+  /// with `creases` 8.
   std::optional<int> iterations = {};
   /// How far a step goes towards the mean of the neighbours, above 0, up to 0.65: longer steps blow up waves of two
   /// edges.
   double strength = 0.6;
   /// Details of this wavelength become half as high, shorter ones vanish, ones of twice the length and more hardly
   /// change (length, > 0). Not with `iterations` or `creases`.
-  std::optional<double> length = {};
+  std::optional<double> shorter_than = {};
   /// Keep creases: means of the normals of triangles, then vertices that follow them.
   bool creases = false;
   /// With `creases`: triangles whose normals differ by much more than this do not blur (degrees, 1..90). Default: from
@@ -114,7 +114,7 @@ struct SmoothReport {
   double largest_move = 0;              ///< distance that vertices moved
   int iterations = 0;                   ///< as used
   double crease_angle = 0;              ///< as used, degrees
-  bool shortened = false;               ///< `length` would have taken more iterations than there may be
+  bool shortened = false;               ///< `shorter_than` would have taken more iterations than there may be
   double area_before = 0;               ///< length²
   double area_after = 0;                ///< length²
   std::optional<double> volume_before;  ///< length³; nothing unless the mesh is closed and oriented

@@ -137,7 +137,7 @@ struct SANSMESH_API DistanceMapOptions {
   /// Places farther off than this belong to something else and are left out (> 0). Default: a tenth of the diagonal of
   /// the reference's box.
   std::optional<double> max_distance = {};
-  std::optional<double> tolerance = {};  ///< length: the statistics tell which share keeps within it (>= 0)
+  std::optional<double> within = {};  ///< length: the statistics tell which share keeps within it (>= 0)
   /// Half of the range of the histogram and of the colours (> 0). Default: what 99 % of the area stays within, rounded
   /// up to two digits, but at least 1e-6 of the diagonal of the reference's box.
   std::optional<double> color_range = {};

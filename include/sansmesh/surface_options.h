@@ -87,7 +87,7 @@ struct SANSMESH_API SurfaceOptions {
   std::optional<int> iterations = {};                ///< of the approximation, 0..100: 0 smooths most
   std::optional<double> epsilon = {};                ///< shape parameter of the approximation, 0.05..20
   Normal normal = Normal::standard;                  ///< of mean planes, or beside the gradient
-  Plane plane = Plane::iterated;                     ///< under the polynomials
+  Plane reference_plane = Plane::iterated;           ///< under the polynomials
   Polynomial polynomial = Polynomial::quadratic;     ///< over the plane
   Flow flow = Flow::fit;                             ///< how points get onto the surface
   Diffusion diffusion = Diffusion::none;             ///< whether samples off the surface count less
@@ -148,8 +148,8 @@ struct SANSMESH_API CurvatureOptions {
   int tau = 2;                        ///< exponent of the M-like weights, 1..4
   /// h above (length, > 0): neighbours are the samples within 1.6 h. Default: the distance of the farthest of
   /// `neighbours` / 1.6, so that neighbourhoods follow the density.
-  std::optional<double> radius = {};
-  /// Samples in a neighbourhood, 8..2000; default: from the noise and the spacing. Not used with `radius`.
+  std::optional<double> bandwidth = {};
+  /// Samples in a neighbourhood, 8..2000; default: from the noise and the spacing. Not used with `bandwidth`.
   std::optional<int> neighbours = {};
   /// Let the fitted surface pass at a distance from the place, which may itself be noisy.
   bool offset = true;
@@ -195,7 +195,7 @@ struct SANSMESH_API LopOptions {
   /// Of the choice of samples at which the points start: the same seed gives the same points.
   std::uint64_t seed = 1;
 
-  /// Radius and repulsion.
+  /// All but the number of points, the normals and the seed.
   static const OptionSchema& schema();  ///< a row a field
   /// Throws ArgumentError naming the field.
   void validate() const;
@@ -203,7 +203,7 @@ struct SANSMESH_API LopOptions {
 
 /// How points move onto a surface.
 struct SANSMESH_API ProjectToSurface {
-  int steps = 10;           ///< at most, 1..1000
+  int most_steps = 10;      ///< at most, 1..1000
   double tolerance = 1e-3;  ///< a step shorter than this share of the samples' spacing is the last, 1e-6..1
 
   static const OptionSchema& schema();  ///< a row a field

@@ -45,7 +45,7 @@ struct VolumeSurfaceOptions {
   bool separate_sheets = true;
   /// field() asks the projection itself at every place, not the paraboloids at the feet of the samples: the definition
   /// to the letter, for two (meshes) to ten (pictures) times the time.
-  bool exact = false;
+  bool exact_projection = false;
 
   /// Without `value`.
   static const OptionSchema& schema();

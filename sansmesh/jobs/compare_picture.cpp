@@ -52,7 +52,7 @@ MapPicture draw_map(const CompareResult& compared, const CompareOptions& options
   made.look.shadows = made.look.ground = false;
   made.look.width -= value_bar_width(look.height, scale, title);
   std::vector<double> marks;
-  if (const auto& most = options.map.tolerance) marks = {-*most, *most};
+  if (const auto& most = options.map.within) marks = {-*most, *most};
   const Image paper = paper_beside(made.look);
   made.image = beside_value_bar(render_mesh(compared.mesh, made.look, progress), scale, title, marks, &paper,
                                 {map.has_sides && (s.lowest < -s.range), (s.highest > s.range)});

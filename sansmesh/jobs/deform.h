@@ -35,8 +35,12 @@
 
 namespace sansmesh::inline v1 {
 
+struct DeformedPicture {
+  Image image;
+  int bar = 0;  ///< so many columns of it on the right are a colour bar
+};
 /// A cloud, a mesh, sections of a solid, a lattice, or a picture.
-using DeformedPose = std::variant<PointSet, TriangleMesh, std::vector<Section>, GridBlock, Image>;
+using DeformedPose = std::variant<PointSet, TriangleMesh, std::vector<Section>, GridBlock, DeformedPicture>;
 /// Called once for each pose, in their order.
 using UsePose = std::function<void(int pose, const DeformedPose& deformed)>;
 

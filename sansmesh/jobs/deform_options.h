@@ -34,7 +34,7 @@ struct DeformOptions {
 
   /// Of volumes in pictures: nodes along the longest side of the map that they are seen through, 8..512.
   int map_nodes = 96;
-  bool exact = false;  ///< in pictures: straight through the deformation, and of solids without a mesh
+  bool exact_deformation = false;  ///< in pictures: straight through the deformation, and of solids without a mesh
   bool draw_handles = false, draw_folds = false;
   VolumePictureOptions look = {};  ///< of pictures: all but of volumes its RenderOptions alone
   bool any_view = true;            ///< nobody chose the view: that of a thin volume looks straight at it

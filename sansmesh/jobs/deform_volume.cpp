@@ -11,6 +11,7 @@
 #include "sansmesh/field/deformed_volume.h"
 #include "sansmesh/field/inverse_map.h"
 #include "sansmesh/field/map_gaps.h"
+#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/volume_subject.h"
@@ -75,6 +76,7 @@ class VolumePoses {
     if (options_.any_view)
       if (const auto view = view_of_layer(samples.bounds(), look_.up)) look_.view = *view;
     look_.steady = options_.frames.has_value();
+    if (look_.color_bar) leave_room(look_, ColorBar{*look_.transfer, look_.color_title, {}});
     framed_ = places_of_poses(deformation_, before_, options_, true);
   }
 
@@ -106,7 +108,7 @@ class VolumePoses {
     return block;
   }
 
-  Image picture(int k) {
+  DeformedPicture picture(int k) {
     const double share = options_.share(k);
     const DeformationMaps maps = deformation_.at(share);
     const Box3 box = box_at(maps);
@@ -138,12 +140,12 @@ class VolumePoses {
       subject.surfaces.push_back(surface_in_picture(deformation_.handle_shapes_at(share, before_.diagonal()), look_));
     const VolumePicture picture(std::move(subject), progress_);
     VolumePictureReport report;
-    Image image = picture.render(look_, progress_, &report);
+    DeformedPicture made{picture.render(look_, progress_, &report), options_.look.width - look_.width};
     if (!outside && !torn)
       report.notes.emplace_back("the outside of the volume is folded or torn: its sides are drawn a step at a time");
     add_notes(result_.notes, "picture", report.notes, volume_.name);
     result_.report.rays = report.rays, result_.report.evaluations = report.evaluations;
-    return image;
+    return made;
   }
 
   DeformResult result() {
@@ -159,7 +161,7 @@ class VolumePoses {
 
   /// The deformation itself is slow to ask at each step of each ray.
   std::shared_ptr<const SpaceMap> seen_through(const DeformationMaps& maps, const Box3& box) const {
-    if (options_.exact || !deformation_.has_handles()) return maps.backward;
+    if (options_.exact_deformation || !deformation_.has_handles()) return maps.backward;
     const Box3 wide = with_room(box, kMapRoom);
     const std::array<std::size_t, 3> sizes = lattice_sizes(wide, static_cast<std::size_t>(options_.map_nodes));
     if (deformation_.cuts().empty())

@@ -6,15 +6,15 @@ namespace sansmesh::inline v1 {
 
 const OptionSchema& FitVolumeOptions::schema() {
   using O = FitVolumeOptions;
-  static constexpr OptionRow rows[] = {
-      option<&O::all>({.text = "Keep the other arrays as well, for other reconstructions and to carry along"})};
+  static constexpr OptionRow rows[] = {option<&O::all_arrays>(
+      {.text = "Keep the other arrays as well, for other reconstructions and to carry along", .old_name = "all"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
 
 FitVolumeResult fit_volume(VolumeModel& volume, const FitVolumeOptions& options, Progress& progress) {
   FitVolumeResult result;
-  result.fitted = volume.fit(options.all, progress, result.notes);
+  result.fitted = volume.fit(options.all_arrays, progress, result.notes);
   FitVolumeReport& r = result.report;
   r.reconstruction = volume.report();
   r.samples = result.fitted.volume->size();

@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 
 struct FitVolumeOptions {
-  bool all = false;  ///< keep the other arrays as well
+  bool all_arrays = false;  ///< keep the other arrays as well
 
   static const OptionSchema& schema();
 };

@@ -23,7 +23,7 @@ namespace sansmesh::inline v1 {
 struct FlowPictureOptions {
   TraceSurfaceOptions trace = {};
 
-  bool smooth = false;                ///< without streaks
+  bool textured = true;               ///< with streaks along the flow
   FlowTextureOptions streaks = {};    ///< its `phase` follows from the frame
   bool splats = false;                ///< particles as discs that blend, not the mesh
   double opacity = 1;                 ///< of the surface where it is seen at right angles, 0..1
@@ -32,9 +32,9 @@ struct FlowPictureOptions {
   std::optional<int> frames = {};     ///< so many, in which the streaks move with the flow; default: one picture
   double turn = 0;                    ///< degrees that the view goes around in them, −3600..3600
 
-  std::string volume = {};            ///< array of a steady volume that is seen through around it
-  std::string volume_preset = {};     ///< its colours and opacities
-  double volume_opacity = 1;          ///< multiplies its opacity
+  std::string volume_array = {};      ///< array of a steady volume that is seen through around it
+  std::string preset = {};            ///< its colours and opacities
+  double opacity_factor = 1;          ///< multiplies its opacity
   std::vector<IsoSurface> isos = {};  ///< of that array, else of the speed
 
   bool bar = true;          ///< colour bars
@@ -48,7 +48,7 @@ struct FlowPictureOptions {
   static const OptionSchema& schema();
   /// Throws ArgumentError for bad options, and for such as mean nothing together.
   void validate() const;
-  bool in_volume() const { return !volume.empty() || !isos.empty(); }
+  bool in_volume() const { return !volume_array.empty() || !isos.empty(); }
 };
 
 struct FlowPicturesResult {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/tubes.h"
@@ -56,11 +57,12 @@ const OptionSchema& VolumePicturesOptions::schema() {
       option_group<&O::look>(VolumePictureOptions::schema().rows),
       option<&O::grid>({.text = "Also the edges of the grid's cells where the volume ends; with an opacity of 0 these "
                                 "alone"}),
-      option<&O::interactive>({.text = "Quick: from the field baked into bricks, whose error is reported"}),
-      option<&O::bake_error>({.text = "Of `interactive`: error above which bricks are split, share of the range",
+      option<&O::baked>(
+          {.text = "Quick: from the field baked into bricks, whose error is reported", .old_name = "interactive"}),
+      option<&O::bake_error>({.text = "Of `baked`: error above which bricks are split, share of the range",
                               .unit = "share",
                               .range = positive(1),
-                              .needs = "interactive"}),
+                              .needs = "baked"}),
       option<&O::bar>({.text = "Without the colour bar"}),
       option<&O::unit>({.text = "Of the array, at the colour bar"})};
   static const OptionSchema schema{rows};
@@ -83,14 +85,14 @@ VolumePictures::VolumePictures(VolumeModel& volume, const VolumePicturesOptions&
   s.look = options.look;
   VolumePictureOptions& look = s.look;
   look.color_bar = options.bar;
-  if (options.interactive) look.samples = 1, look.step = 1.5, look.least_light = 0.01;
+  if (options.baked) look.samples = 1, look.step = 1.5, look.least_light = 0.01;
   s.samples = volume.samples(progress);
   s.field = volume.field(volume.as_scalar(volume.choice()), progress, s.notes);
   if (!options.opacity_by.empty())
     s.opacity = volume.field(volume.scalar_choice(options.opacity_by, "opacity_by"), progress, s.notes);
   VolumeSubject subject = volume_subject(*s.samples, s.boundary);
   subject.field = s.field.get(), subject.opacity = s.opacity.get();
-  if (options.interactive) {
+  if (options.baked) {
     BakeOptions bake;
     bake.tolerance = options.bake_error;
     bake.places = s.samples->positions;
@@ -112,6 +114,7 @@ VolumePictures::VolumePictures(VolumeModel& volume, const VolumePicturesOptions&
   if (look.color_title.empty()) look.color_title = volume.array_name() + (volume.is_vector() ? " (magnitude)" : "");
   if (!options.unit.empty()) look.color_title += " [" + options.unit + "]";
   s.picture = volume.naming([&] { return std::make_unique<VolumePicture>(std::move(subject), progress); });
+  if (look.color_bar) leave_room(look, ColorBar{s.picture->transfer(look), look.color_title, {}});
 }
 
 VolumePictures::~VolumePictures() = default;

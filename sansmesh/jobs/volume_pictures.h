@@ -20,8 +20,8 @@ struct VolumePicturesOptions {
   VolumePictureOptions look = {};
   std::string opacity_by = {};  ///< array that gives the opacities; the volume's own gives the colours
   bool grid = false;            ///< also the edges of the grid's cells where the volume ends
-  bool interactive = false;     ///< quick: one ray a pixel, long steps, from the field baked into bricks
-  double bake_error = BakeOptions().tolerance;  ///< of `interactive`: share of the range above which bricks are split
+  bool baked = false;           ///< quick: one ray a pixel, long steps, from the field baked into bricks
+  double bake_error = BakeOptions().tolerance;  ///< of `baked`: share of the range above which bricks are split
   bool bar = true;                              ///< the colour bar
   std::string unit = {};                        ///< of the array, at the colour bar
   bool any_view = true;                         ///< nobody chose the view: that of a single layer looks straight at it

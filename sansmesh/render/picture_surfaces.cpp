@@ -291,8 +291,8 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
     const ClearVolume field({box.lower - rim, box.upper + rim});
     VolumePictureOptions o;
     static_cast<RenderOptions&>(o) = options;
-    o.opacity_scale = 0;
-    o.cut_faces = false;
+    o.opacity_factor = 0;
+    o.clip_faces = false;
     o.transfer = TransferFunction{{}, {{0, {}}, {1, {}}}, {{0, 0}, {1, 0}}};
     o.steady = steady;
     VolumeSubject subject;

@@ -57,8 +57,8 @@ VolumePictureOptions with_box_cut(VolumePictureOptions options, const Box3& box)
   for (std::size_t k = 0; k < 3; ++k) {
     Vec3 axis{};
     axis[k] = 1;
-    if (options.clip_box->upper[k] < box.upper[k] - same) options.cuts.push_back({axis, options.clip_box->upper[k]});
-    if (options.clip_box->lower[k] > box.lower[k] + same) options.cuts.push_back({-axis, -options.clip_box->lower[k]});
+    if (options.clip_box->upper[k] < box.upper[k] - same) options.clips.push_back({axis, options.clip_box->upper[k]});
+    if (options.clip_box->lower[k] > box.lower[k] + same) options.clips.push_back({-axis, -options.clip_box->lower[k]});
   }
   return options;
 }
@@ -353,6 +353,9 @@ VolumePicture::~VolumePicture() = default;
 void VolumePicture::set_surfaces(std::vector<PictureSurface> surfaces) { work_->set_surfaces(std::move(surfaces)); }
 const PictureFrame& VolumePicture::frame() const { return work_->frame(); }
 const ValueHistogram& VolumePicture::histogram() const { return work_->histogram(); }
+TransferFunction VolumePicture::transfer(const VolumePictureOptions& options) const {
+  return work_->transfer(options).function;
+}
 Camera VolumePicture::camera(const VolumePictureOptions& options) const {
   options.validate();
   return work_->camera(options);

@@ -16,7 +16,7 @@ struct ReconstructionOptions {
   std::optional<std::string> method = {};  ///< a name of VolumeMethod::registry()
   std::optional<int> degree = {};          ///< mls, mls-detail: highest degree of polynomials, 0..4; lagrange: 1..5
   std::optional<int> iterations = {};      ///< amls: times that residuals are added, 0..100
-  std::optional<double> shape = {};        ///< amls: ε, 0.05..10: small is smooth
+  std::optional<double> epsilon = {};      ///< amls: ε, 0.05..10: small is smooth
   std::optional<int> order = {};           ///< amls: 2, 4 or 6
   std::optional<double> radius = {};       ///< mls, rbf, shepard: in spacings, 1..10
   /// amls: balls about the samples, as wide as their farthest neighbour is away, in place of ellipsoids; for

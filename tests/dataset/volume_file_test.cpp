@@ -75,7 +75,7 @@ class VolumeFile : public ::testing::Test {
     EXPECT_TRUE(answers_of(*field, *volume) == answers_of(*same, *volume));
     EXPECT_EQ(report.by_degree, again.by_degree);
     EXPECT_EQ(report.notes, again.notes);
-    EXPECT_EQ(report.options.shape, again.options.shape);
+    EXPECT_EQ(report.options.epsilon, again.options.epsilon);
     EXPECT_EQ(report.options.degree, again.options.degree);
   }
 

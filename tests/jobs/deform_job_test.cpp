@@ -207,7 +207,7 @@ TEST(DeformJob, SolidsBecomeMeshesSectionsAndPictures) {
   int width = 0;
   deform(
       ball(1), moved, DeformAim::picture, look,
-      [&](int, const DeformedPose& made) { width = std::get<Image>(made).width; }, progress);
+      [&](int, const DeformedPose& made) { width = std::get<DeformedPicture>(made).image.width; }, progress);
   EXPECT_EQ(width, 32);
 }
 
@@ -249,7 +249,7 @@ TEST(DeformJob, VolumesAreResampledAndSeenThrough) {
   options.look.width = 32, options.look.height = 24;
   const DeformResult drawn = deform(
       seen, moved, DeformAim::picture, options,
-      [](int, const DeformedPose& made) { EXPECT_EQ(std::get<Image>(made).width, 32); }, progress);
+      [](int, const DeformedPose& made) { EXPECT_EQ(std::get<DeformedPicture>(made).image.width, 32); }, progress);
   EXPECT_GT(drawn.report.rays, 0u);
   EXPECT_NE(refused([&] { deform(seen, moved, DeformAim::sections, {}, kIgnore, progress); }), "");
 }

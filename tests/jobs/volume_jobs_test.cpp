@@ -199,7 +199,8 @@ TEST(ResampleJob, OptionsAreReadFromWords) {
 TEST(FitVolume, KeepsOneArrayOrAllAndSaysWhereThereIsNothingToKeep) {
   Progress progress;
   VolumeModel volume = model_of(with_vectors(lattice_grid({12, 12, 12}, hill)));
-  const FitVolumeResult one = fit_volume(volume, {}, progress), all = fit_volume(volume, {.all = true}, progress);
+  const FitVolumeResult one = fit_volume(volume, {}, progress),
+                        all = fit_volume(volume, {.all_arrays = true}, progress);
   EXPECT_EQ(one.fitted.arrays.size(), 1u);
   EXPECT_EQ(all.fitted.arrays.size(), 2u);
   EXPECT_EQ(one.fitted.options.method, "mls-detail");

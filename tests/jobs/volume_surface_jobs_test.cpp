@@ -203,7 +203,7 @@ TEST(VolumePicturesJob, BakesForQuickPicturesAndSaysWhatIsNotThere) {
   Progress progress;
   VolumeModel volume = ball_model();
   VolumePicturesOptions options;
-  options.look.width = 24, options.look.height = 18, options.interactive = true, options.grid = true;
+  options.look.width = 24, options.look.height = 18, options.baked = true, options.grid = true;
   options.look.isos = {{.value = 40, .color = {}, .opacity = 1}};
   VolumePictures pictures(volume, options, {}, progress);
   EXPECT_EQ(pictures.look().samples, 1);
@@ -211,7 +211,7 @@ TEST(VolumePicturesJob, BakesForQuickPicturesAndSaysWhatIsNotThere) {
   ASSERT_NE(pictures.baked(), nullptr);
   EXPECT_GT(pictures.baked()->bricks, 0u);
   EXPECT_TRUE(has_note(pictures.notes(), "picture"));
-  options.interactive = false, options.bake_error = 0.1;
+  options.baked = false, options.bake_error = 0.1;
   EXPECT_THROW(options.validate(), ArgumentError);
   options = {};
   options.bar = false, options.unit = "K";

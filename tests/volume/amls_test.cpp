@@ -62,7 +62,7 @@ TEST(Amls, BallsReachOverCellsThatEllipsoidsFit) {
   Progress progress;
   ReconstructionOptions options;
   options.method = "amls";
-  options.shape = 1, options.iterations = 2;
+  options.epsilon = 1, options.iterations = 2;
   const std::vector<Vec3> places = places_within(*volume, 300);
   const double ellipsoids = most_error(*reconstruct_volume(volume, "f", options, progress), places, layered);
   options.spherical = true;

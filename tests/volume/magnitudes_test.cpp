@@ -141,7 +141,7 @@ TEST(Magnitudes, WithoutARightAnswerAreErrors) {
   // A single number beside which all others vanish.
   const auto spike = [](const Vec3& x) { return x == Vec3{0.5, 0.5, 0.5} ? 1e60 : wave_of_magnitude(x); };
   EXPECT_NE(error_of(spike, detail).find("values of up to 1e+60 stand so far apart"), std::string::npos);
-  EXPECT_NE(error_of(spike, detail).find("`fill_values`"), std::string::npos);
+  EXPECT_NE(error_of(spike, detail).find("`fill_value`"), std::string::npos);
   EXPECT_EQ(error_of(spike, linear), "");
 }
 

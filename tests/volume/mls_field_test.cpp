@@ -171,7 +171,7 @@ TEST(AmlsField, MoreIterationsComeNearerToTheSamples) {
     Progress progress;
     ReconstructionOptions options;
     options.method = "amls";
-    options.shape = 1.5, options.iterations = n;
+    options.epsilon = 1.5, options.iterations = n;
     const double error = mean_error(*reconstruct_volume(volume, "f", options, progress), volume->positions, bump);
     EXPECT_LT(error, 0.5 * before);
     before = error;
@@ -184,8 +184,8 @@ TEST(AmlsField, ChoosesWidthAndIterationsAndSaysSo) {
   options.method = "amls";
   ReconstructionReport report;
   reconstruct_volume(volume_of(bent_grid({7, 7, 7}, bump)), "f", options, progress, &report);
-  ASSERT_TRUE(report.options.shape && report.options.iterations && report.options.order);
-  EXPECT_GT(*report.options.shape, 0);
+  ASSERT_TRUE(report.options.epsilon && report.options.iterations && report.options.order);
+  EXPECT_GT(*report.options.epsilon, 0);
 }
 
 TEST(MlsField, AnswersDependOnThePointAlone) {
