@@ -169,8 +169,8 @@ void probe(Volume& volume, const std::string& points, const std::string& out) {
   const std::size_t c = field->components();
   std::vector<double> values(x.size() * c);
   std::vector<std::uint8_t> inside(x.size());
-  const Spent first = timed([&] { field->evaluate(x, {values, {}, inside, {}}); });
-  const Spent again = timed([&] { field->evaluate(x, {values, {}, inside, {}}); });
+  const Spent first = timed([&] { field->evaluate(x, {values, {}, inside}); });
+  const Spent again = timed([&] { field->evaluate(x, {values, {}, inside}); });
   std::ofstream(out, std::ios::binary)
       .write(reinterpret_cast<const char*>(values.data()),
              static_cast<std::streamsize>(values.size() * sizeof(double)));
@@ -196,7 +196,7 @@ void memory(const std::vector<std::string>& files, const std::string& array, con
     x[i] = volume->samples->position(k) * 0.999 + box.center() * 0.001;
   }
   std::vector<double> values(x.size() * field->components());
-  const Spent ask = timed([&] { field->evaluate(x, {values, {}, {}, {}}); });
+  const Spent ask = timed([&] { field->evaluate(x, {values}); });
   const auto n = static_cast<double>(volume->samples->size());
   fmt::print(
       R"({{"samples":{},"cells":{},"read_cpu":{:.2f},"read_peak_mb":{:.0f},"data_mb":{:.0f},"data_bytes":{:.0f},"fit_cpu":{:.2f},"fit_wall":{:.2f},"field_bytes":{:.0f},"fit_peak_bytes":{:.0f},"peak_mb":{:.0f},"ask_cpu":{:.3f}}})"

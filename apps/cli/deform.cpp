@@ -1,5 +1,5 @@
 // sansmesh deform: anything by handles, or by a map of displacements.
-#include "sansmesh/jobs/deform.h"
+#include "sansmesh/jobs/deform_things.h"
 
 #include <fmt/core.h>
 
@@ -15,7 +15,6 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/write_volume.h"
-#include "sansmesh/jobs/read_deformation.h"
 #include "sansmesh/measure/section_text.h"
 #include "sansmesh/surface_function.h"
 #include "schema_options.h"
@@ -229,10 +228,11 @@ Deformed write_displacement_map(const DeformArguments& a, DeformedThing thing, c
                                                       : bounds_of(read_cloud(a, ignored, console));
   DeformationMapResult made = deformation_map(deformation, before, a.input.name(), a.map, console.progress());
   console.progress().begin("write");
-  write_volume(a.output, displacement_block(made.map));
+  write_volume(a.output, made.block);
   Deformed d;
   d.files = {a.output};
-  const std::array<std::size_t, 3>& size = made.map.sizes();
+  const std::array<std::size_t, 3> size{made.block.axes[0].size(), made.block.axes[1].size(),
+                                        made.block.axes[2].size()};
   d.lines = {
       fmt::format("{} × {} × {} displacements: sansmesh deform … --map {}", size[0], size[1], size[2], a.output)};
   d.input = a.input.json();

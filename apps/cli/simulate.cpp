@@ -1,11 +1,10 @@
 // sansmesh simulate: tetrahedra that move by forces.
-#include "sansmesh/jobs/simulate.h"
+#include "sansmesh/simulate.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,42 +12,13 @@
 #include <vector>
 
 #include "commands.h"
-#include "sansmesh/dataset/tet_dataset.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/file_content.h"
-#include "sansmesh/io/vertex_list.h"
 #include "schema_options.h"
 #include "simulate_frames.h"
 
 namespace sansmesh::cli {
 namespace {
-
-/// The scene from its file, with the vertices that --fixed names.
-SceneScript read_scene(const SimulateArguments& a, const TetDataset& body) {
-  SceneScript s;
-  if (!a.forces.empty()) {
-    SceneVertices vertices;
-    vertices.mesh = &body.mesh;
-    vertices.find = [&](std::uint64_t n) { return body.vertex(n); };
-    vertices.list = [&](const std::string& file) {
-      return read_vertex_list((std::filesystem::path(a.forces).parent_path() / file).string());
-    };
-    const io::FileContent content(a.forces);
-    try {
-      s = parse_scene_script(std::string(content.bytes()), vertices, a.picture.place.z_up);
-    } catch (const ArgumentError& error) {
-      throw FileError(a.forces, error.what());
-    }
-  }
-  if (a.fixed.empty()) return s;
-  for (const std::uint64_t n : read_vertex_list(a.fixed)) try {
-      s.scene.fixed.push_back(body.vertex(n));
-    } catch (const DataError& error) {
-      throw FileError(a.fixed, error.what());
-    }
-  return s;
-}
 
 /// Errors of what the scene says are those of its file, others of the body's.
 template <class Work>
@@ -123,7 +93,7 @@ std::string material_words(const SoftBodyOptions& o) {
                            o.stiffness_damping);
 }
 
-void report_simulation(const SimulateArguments& a, const TetDataset& body, const SimulationPlan& plan,
+void report_simulation(const SimulateArguments& a, const SimulationBody& body, const SimulationPlan& plan,
                        const SimulateReport& r, const std::vector<std::string>& files, Console& console) {
   const SoftBodyOptions& options = plan.options;
   const DynamicsScene& scene = plan.scene;
@@ -146,7 +116,7 @@ void report_simulation(const SimulateArguments& a, const TetDataset& body, const
                      {{"file", a.tets},
                       {"vertices", plan.rest->vertices.size()},
                       {"tetrahedra", plan.rest->tets.size()},
-                      {"notes", body.notes}}},
+                      {"notes", body.notes()}}},
                     {"scene",
                      {{"fixed", scene.fixed.size()},
                       {"forces", scene.forces.size()},
@@ -178,12 +148,12 @@ void report_simulation(const SimulateArguments& a, const TetDataset& body, const
 
 void run_simulate(SimulateArguments& a, Console& console) {
   a.check();
-  TetDataset body = read_tets(a.tets);
-  console.warn(a.tets, body.notes);
-  SceneScript scene = read_scene(a, body);
+  const SimulationBody body = read_body(a.tets);
+  console.warn(a.tets, body.notes());
+  SceneScript scene = read_scene(a.forces, a.fixed, body, a.picture.place.z_up);
   a.options.z_up = a.picture.place.z_up;
   const SimulationPlan plan =
-      with_files(a, console, [&] { return plan_simulation(std::move(body.mesh), std::move(scene), a.options); });
+      with_files(a, console, [&] { return plan_simulation(body.mesh(), std::move(scene), a.options); });
   console.note(a.tets, plan.notes);
   const auto surface = open_surface(a, *plan.rest, console);
   a.check_overwriting(plan.frames);
@@ -193,7 +163,7 @@ void run_simulate(SimulateArguments& a, Console& console) {
       with_files(a, console, [&] { return simulate(plan, kept, !a.energies.empty(), console.progress()); });
   console.note(a.tets, made.notes);
   if (draw.pictures) draw.pictures->show(made.motion, plan.scene);
-  std::vector<std::string> files = write_outputs(a, *made.motion, *surface, draw, console);
+  std::vector<std::string> files = write_outputs(a, made.motion, *surface, draw, console);
   if (!a.energies.empty()) {
     write_text(a.energies, energy_table(made.report));
     files.push_back(a.energies);

@@ -44,10 +44,10 @@ std::string method_line(const VolumeModel& volume) {
                      r.why.empty() ? "" : ", since it is " + r.why);
 }
 
-Json json_of_volume(const VolumeInput& input, VolumeModel& volume, Progress& progress) {
+Json json_of_volume(const VolumeInput& input, const VolumeModel& volume, Progress& progress) {
   const ReconstructionReport& r = volume.report();
   Json json = input.json();
-  json["format"] = volume.dataset().format();
+  json["format"] = volume.format();
   json["array"] = volume.choice().array;
   if (r.options.method) json["method"] = *r.options.method;
   if (!r.why.empty()) json["why"] = r.why;

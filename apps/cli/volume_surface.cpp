@@ -1,5 +1,5 @@
 // sansmesh volume surface: isosurfaces and surfaces of high gradient straight from the samples of a volume.
-#include "sansmesh/jobs/surface_in_volume.h"
+#include "sansmesh/isosurfaces.h"
 
 #include <fmt/core.h>
 
@@ -63,7 +63,7 @@ std::optional<ColorBar> bar_of(const VolumeSurfaceArguments& a, const std::optio
   return ColorBar{shown->colors, with_unit(a.look.color_by, a.unit), shown->ends};
 }
 
-void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, VolumeModel& volume,
+void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
                   Console& console, Json& json) {
   SurfaceRenderOptions look;
   static_cast<RenderOptions&>(look) = a.picture.chosen();
@@ -97,7 +97,7 @@ void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfac
 
 void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
                    Console& console, Json& json) {
-  const MeshInVolume made = mesh_of_surface(volume, surface, a.meshing, console.progress());
+  const MeshInVolume made = mesh_of_surface(surface, a.meshing, console.progress());
   const TriangleMesh& mesh = made.mesh;
   const MeshInVolumeReport& r = made.report;
   const auto components = static_cast<std::size_t>(r.mesh.components);
@@ -118,17 +118,17 @@ void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfa
                     {"closed", r.volume.has_value()}};
 }
 
-void say_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& s, VolumeModel& volume, Console& console,
+void say_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& s, const VolumeModel& volume, Console& console,
                  Json& json) {
-  const VolumeSurfaceReport& r = s.surface.report();
-  const SampledVolume& samples = s.surface.volume();
-  const bool steep = s.surface.options().kind == VolumeSurfaceOptions::Kind::high_gradient;
+  const VolumeSurfaceReport& r = s.report;
+  const auto samples = volume.samples(console.progress());
+  const bool steep = a.options.surface.kind == VolumeSurfaceOptions::Kind::high_gradient;
   console.say(
       fmt::format("{}: {}, {} of {} ({})", volume.name(),
                   steep ? fmt::format("steepest {}, from {:.4g} per length", volume.array_name(), r.least_gradient)
                         : fmt::format("{} = {:.6g}{}", volume.array_name(), s.value,
                                       a.options.value ? "" : " (the middle of its range)"),
-                  counted(r.samples, "sample"), grouped(samples.size()), samples.facts.grid));
+                  counted(r.samples, "sample"), grouped(samples->size()), samples->facts.grid));
   console.say(fmt::format(
       "spacing {}, weights {:.2f} spacings wide{}", length(r.spacing), r.smoothing,
       r.noise_distance > 0 ? fmt::format(", noise moves the surface by {}", length(r.noise_distance)) : std::string()));
@@ -153,8 +153,7 @@ void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
   Json json = {{"input", json_of_volume(a.input, volume, progress)}};
   say_surface(a, surface, volume, console, json);
   std::optional<PointSet> points;
-  if (!a.points.empty())
-    points = volume.naming([&] { return sample_volume_surface(surface.surface, a.distance, progress); });
+  if (!a.points.empty()) points = points_of_surface(surface, a.distance, progress);
   if (a.to_picture())
     draw_surface(a, surface, volume, console, json);
   else if (!a.output.empty())

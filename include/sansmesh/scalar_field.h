@@ -8,6 +8,7 @@
 
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
+#include "sansmesh/query.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -49,6 +50,9 @@ class SANSMESH_API ScalarField {
     evaluate(x, values, gradients);
     std::fill(inside.begin(), inside.end(), std::uint8_t{1});
   }
+
+  /// Both by one call of the shape that all fields have. Throws ArgumentError where sizes do not agree.
+  void query(const Places& at, const ScalarAnswers& wanted) const;
 
   /// What all values within `radius` (>= 0) of each of x lie between: where that does not hold 0, no surface is so
   /// near. As many entries as x; infinite ends where nothing is known. Fields that do not override this (fields of

@@ -3,19 +3,16 @@
 // knows the other.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
 
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
+#include "sansmesh/query.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
-
-/// Derivatives of a vector v by the position: [k] = ∂v/∂x_k, per time if v is a velocity.
-using Jacobian = std::array<Vec3, 3>;
 
 /// ∇ · v of the derivatives of v (value per length).
 inline double divergence(const Jacobian& j) { return j[0].x + j[1].y + j[2].z; }
@@ -60,6 +57,9 @@ class SANSMESH_API VectorField {
   /// hands over all points that it has.
   virtual void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
                         std::span<std::uint8_t> inside, std::span<Jacobian> jacobian = {}) const = 0;
+
+  /// The same by a call of the shape that all fields have. Throws ArgumentError where sizes do not agree.
+  void query(const Places& at, const VectorAnswers& wanted) const;
 };
 
 }  // namespace sansmesh::inline v1

@@ -1,9 +1,8 @@
-#include "sansmesh/jobs/deform_options.h"
-
+// Options of deformations.
 #include <span>
 
 #include "sansmesh/error.h"
-#include "sansmesh/meshing/mesh_csg.h"
+#include "sansmesh/jobs/deform_things.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/deform/open_mesh.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh_measures.h"
@@ -23,7 +23,7 @@ void color_folded(TriangleMesh& mesh, const SpaceMap& map) {
   x.reserve(mesh.vertices.size());
   for (const Vec3f& p : mesh.vertices) x.push_back(mesh.origin + Vec3(p));
   std::vector<Jacobian> jacobians(x.size());
-  map.map(x, {{}, jacobians, {}, {}});
+  map.query({.points = x}, {.gradients = jacobians});
   if (mesh.colors.empty()) mesh.colors.assign(x.size(), kUsualColor);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Jacobian& j = jacobians[i];

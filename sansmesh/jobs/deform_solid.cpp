@@ -7,13 +7,13 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/deform/open_mesh.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/deformed_field.h"
 #include "sansmesh/field/inverse_map.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/jobs/with_name.h"

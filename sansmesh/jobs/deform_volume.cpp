@@ -7,13 +7,14 @@
 
 #include "sansmesh/dataset/resample_volume.h"
 #include "sansmesh/deform/cut_map.h"
+#include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/deformed_volume.h"
 #include "sansmesh/field/inverse_map.h"
 #include "sansmesh/field/map_gaps.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
+#include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/refine_edges.h"
@@ -182,7 +183,7 @@ class VolumePoses {
 
 }  // namespace
 
-DeformableVolume deformable_volume(VolumeModel& volume, DeformAim aim, bool all, Progress& progress,
+DeformableVolume deformable_volume(const VolumeModel& volume, DeformAim aim, bool all, Progress& progress,
                                    std::vector<Note>& notes) {
   DeformableVolume found{volume.name(), volume.samples(progress), {}, {}};
   const auto add = [&](const ArrayChoice& choice, const std::string& name) {
@@ -193,8 +194,8 @@ DeformableVolume deformable_volume(VolumeModel& volume, DeformAim aim, bool all,
     add(aim == DeformAim::picture ? volume.as_scalar(volume.choice()) : volume.choice(), volume.array_name());
     return found;
   }
-  for (const DatasetArray& array : volume.dataset().arrays())
-    if (volume.dataset().volume(array.name, progress) == found.samples) add({array.name, {}, false}, array.name);
+  for (const DatasetArray& array : volume.arrays())
+    if (dataset_of(volume).volume(array.name, progress) == found.samples) add({array.name, {}, false}, array.name);
   return found;
 }
 

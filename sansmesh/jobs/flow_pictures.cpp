@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/flow_model.h"
 #include "sansmesh/jobs/volume_subject.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/arrows.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/transfer_presets.h"
@@ -81,11 +83,11 @@ TriangleMesh arrows_on(const FlowSurface& surface, double spacing) {
 /// The volume that the surface stands in: seen through, with iso-surfaces.
 class VolumeAround {
  public:
-  VolumeAround(const FlowPictureOptions& o, const FlowModel& flow, std::vector<Note>& notes, Progress& progress)
-      : samples_(flow.volume()->samples(progress)) {
-    VolumeModel& volume = *flow.volume();
+  VolumeAround(const FlowPictureOptions& o, const VolumeModel& volume, const std::string& vectors,
+               std::vector<Note>& notes, Progress& progress)
+      : samples_(volume.samples(progress)) {
     // Of vectors as a scalar the length: the speed.
-    const std::string name = o.volume_array.empty() ? flow.vectors() : o.volume_array;
+    const std::string name = o.volume_array.empty() ? vectors : o.volume_array;
     field_ = volume.field(volume.scalar_choice(name, "volume_array"), progress, notes);
     options_.color_title = name;
     options_.color_bar = o.bar && !o.volume_array.empty() && o.opacity_factor > 0;
@@ -95,7 +97,7 @@ class VolumeAround {
     VolumeSubject subject = volume_subject(*samples_, boundary_);
     subject.field = field_.get();
     subject.image = false;
-    volume.naming([&] { picture_.emplace(std::move(subject), progress); });
+    with_name(volume.name(), [&] { picture_.emplace(std::move(subject), progress); });
     const ValueHistogram& values = picture_->histogram();
     options_.transfer = o.preset.empty() ? suggest_transfer_function(values, false).function
                                          : transfer_function_preset(o.preset, values);
@@ -125,11 +127,12 @@ class SurfacePictures {
   SurfacePictures(const FlowModel& flow, const FlowPictureOptions& options, Progress& progress)
       : flow_(flow), options_(options), look_(options.look), progress_(progress) {
     const std::optional<ArrayChoice> color = color_array(flow, options.color_by);
-    if (options.in_volume()) around_ = std::make_unique<VolumeAround>(options, flow, result_.notes, progress);
+    if (options.in_volume())
+      around_ = std::make_unique<VolumeAround>(options, *flow.volume(), flow.vectors(), result_.notes, progress);
     TraceSurfaceResult traced = trace_surface(flow, options.trace, progress);
     for (Note& note : traced.notes) result_.notes.push_back(std::move(note));
     surface_ = std::move(traced.surface);
-    if (surface_.mesh.triangles.empty()) throw flow.error(DataError("the surface is empty"));
+    if (surface_.mesh.triangles.empty()) throw in_flow(flow, DataError("the surface is empty"));
     result_.surface = surface_.report;
     Box3 box;
     for (const FlowPoint& p : surface_.points) places_.push_back(p.position), box.extend(p.position);
@@ -176,7 +179,7 @@ class SurfacePictures {
     if (by == "none") return values;
     values.resize(surface_.points.size());
     if (array) {
-      flow_.volume()->field(*array, progress_, result_.notes)->evaluate(places_, {values, {}, {}, {}});
+      flow_.volume()->field(*array, progress_, result_.notes)->query({.points = places_}, {.values = values});
       return values;
     }
     std::transform(surface_.points.begin(), surface_.points.end(), values.begin(), [&](const FlowPoint& p) {
@@ -322,7 +325,7 @@ FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions
       try {
         return pictures.at(k);
       } catch (const DataError& error) {
-        throw flow.error(error);
+        throw in_flow(flow, error);
       }
     }();
     use(static_cast<std::size_t>(k), image, pictures.look());

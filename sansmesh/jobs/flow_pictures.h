@@ -6,9 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/flow.h"
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/flow_model.h"
-#include "sansmesh/jobs/flow_surface.h"
 #include "sansmesh/jobs/use_picture.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"

@@ -108,16 +108,16 @@ MotionPictures::MotionPictures(std::shared_ptr<const TetMesh> rest, std::shared_
                       .remedy = {}});
 }
 
-void MotionPictures::show(std::shared_ptr<const Motion> motion, const DynamicsScene& scene) {
+void MotionPictures::show(Motion motion, const DynamicsScene& scene) {
   motion_ = std::move(motion);
   FarthestPoints farthest;
   Box3 box;
-  for (std::size_t frame = 0; frame < motion_->frames(); ++frame) {
+  for (std::size_t frame = 0; frame < motion_.frames(); ++frame) {
     if (surface_) {
-      const TriangleMesh m = surface_->at(*motion_, frame);
+      const TriangleMesh m = surface_->at(motion_, frame);
       for (const Vec3f& p : m.vertices) farthest.add(m.origin + Vec3(p));
     } else {
-      for (const Vec3& p : motion_->positions(frame)) farthest.add(p);
+      for (const Vec3& p : motion_.positions(frame)) farthest.add(p);
     }
   }
   for (const Vec3& p : farthest.points()) box.extend(p);
@@ -149,12 +149,12 @@ Image MotionPictures::draw(std::size_t frame, Progress& progress) {
   colored.wireframe = RenderOptions::Wireframe::none;
   surfaces.reserve(obstacles_.size() + 1);
   for (const TriangleMesh& m : obstacles_) surfaces.push_back(surface_in_picture(m, colored));
-  if (surface_) surfaces.push_back(surface_in_picture(surface_->at(*motion_, frame), options_));
+  if (surface_) surfaces.push_back(surface_in_picture(surface_->at(motion_, frame), options_));
   if (!volume_) return render_surfaces(surfaces, framed_, false, false, options_, progress);
-  const std::vector<Vec3> x = motion_->positions(frame);
+  const std::vector<Vec3> x = motion_.positions(frame);
   Box3 box;
   for (const Vec3& p : x) box.extend(p);
-  boundary_.origin = motion_->origin();
+  boundary_.origin = motion_.origin();
   for (std::size_t k = 0; k < sources_.size(); ++k) boundary_.vertices[k] = Vec3f(x[sources_[k]] - boundary_.origin);
   const DeformedVolume field(volume_->field, std::make_shared<TetMap>(rest_->tets, x, rest_->vertices), box, box);
   VolumeSubject subject;

@@ -7,13 +7,12 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/dynamics/soft_body_options.h"
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/motion.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/volume_options.h"
+#include "sansmesh/simulate.h"
 #include "sansmesh/volume_field.h"
 
 namespace sansmesh::inline v1 {
@@ -35,7 +34,7 @@ class MotionPictures {
   const std::vector<Note>& notes() const { return notes_; }
   /// To be called once, before pictures are drawn; obstacles of `scene` are drawn, its lengths in the unit of the
   /// body's file.
-  void show(std::shared_ptr<const Motion> motion, const DynamicsScene& scene);
+  void show(Motion motion, const DynamicsScene& scene);
   Image draw(std::size_t frame, Progress& progress);
 
  private:
@@ -44,7 +43,7 @@ class MotionPictures {
   std::optional<CarriedVolume> volume_;
   RenderOptions options_;
   std::vector<Note> notes_;
-  std::shared_ptr<const Motion> motion_;
+  Motion motion_;
   std::vector<Vec3> framed_;
   std::vector<TriangleMesh> obstacles_;
   TriangleMesh boundary_;  ///< of the volume in the frame that is drawn

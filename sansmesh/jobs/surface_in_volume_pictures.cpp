@@ -4,7 +4,9 @@
 #include <span>
 #include <utility>
 
+#include "sansmesh/dataset/volume_surface.h"
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/surface/bilateral_normals.h"
 #include "sansmesh/surface/curvature_words.h"
@@ -35,7 +37,7 @@ class ArrayColors : public ColorField {
     std::vector<Vec3> input(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) input[i] = place_.to_input(x[i]);
     std::vector<double> v(x.size());
-    field_->evaluate(input, {v, {}, {}, {}});
+    field_->query({.points = input}, {.values = v});
     return v;
   }
 
@@ -48,7 +50,7 @@ class ArrayColors : public ColorField {
 }  // namespace
 
 struct SurfaceInVolumePictures::State {
-  const VolumeSurface& surface;
+  std::shared_ptr<const VolumeSurface> surface;
   std::unique_ptr<ColorField> colors;
   std::optional<ShownColors> shown;
   std::optional<BilateralNormals> normals;
@@ -80,22 +82,22 @@ void SurfaceInVolumeLook::validate() const {
   if (color_range && !curvature()) throw ArgumentError("`color_range` needs `color_by` with a curvature");
 }
 
-SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, VolumeModel& volume,
+SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, const VolumeModel& volume,
                                                  const SurfaceInVolumeLook& look, Progress& progress,
                                                  std::vector<Note>& notes)
     : state_(std::make_unique<State>(State{of.surface, {}, {}, {}, {}})) {
   look.validate();
   State& s = *state_;
-  const Placement& place = of.surface.place();
+  const Placement& place = of.surface->place();
   PointSet points;
-  if (!look.color_by.empty() || look.sharp) points = of.surface.feet();
+  if (!look.color_by.empty() || look.sharp) points = of.surface->feet();
   if (const auto quantity = look.curvature()) {
     // Curvatures of the input, a length or an area below the line, in coordinates of the surface.
     const double unit = *quantity == CurvatureColorOptions::Quantity::gaussian ? place.unit * place.unit : place.unit;
     CurvatureColorOptions o;
     o.quantity = *quantity;
     if (look.color_range) o.range = *look.color_range * unit;
-    auto colors = volume.naming([&] { return std::make_unique<CurvatureColors>(points, o, progress); });
+    auto colors = with_name(volume.name(), [&] { return std::make_unique<CurvatureColors>(points, o, progress); });
     s.shown = ShownColors{.curvature = quantity, .range = colors->range() / unit, .colors = {}, .ends = {}};
     s.colors = std::move(colors);
   } else if (!look.color_by.empty()) {
@@ -110,7 +112,7 @@ SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, Volu
     s.normals.emplace(prepare_samples(points, progress), BilateralOptions{});
     cast.normals = &*s.normals;
   }
-  volume.naming([&] { s.caster.emplace(of.surface.field(), of.surface.balls(), cast); });
+  with_name(volume.name(), [&] { s.caster.emplace(of.surface->field(), of.surface->balls(), cast); });
 }
 
 SurfaceInVolumePictures::~SurfaceInVolumePictures() = default;
@@ -122,8 +124,8 @@ Image SurfaceInVolumePictures::render(const SurfaceRenderOptions& options, Progr
   options.validate();
   const State& s = *state_;
   SurfaceRenderOptions own = options;
-  move_from_input(own, s.surface.place());
-  return render_surface(*s.caster, s.surface.balls().centers, s.colors.get(), own, progress);
+  move_from_input(own, s.surface->place());
+  return render_surface(*s.caster, s.surface->balls().centers, s.colors.get(), own, progress);
 }
 
 CastCounts SurfaceInVolumePictures::counts() const { return state_->caster->counts(); }

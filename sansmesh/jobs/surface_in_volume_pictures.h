@@ -7,8 +7,7 @@
 #include <vector>
 
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/surface_in_volume.h"
-#include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/isosurfaces.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
@@ -44,9 +43,9 @@ struct ShownColors {
 /// Built once; then pictures from anywhere.
 class SurfaceInVolumePictures {
  public:
-  /// `surface` must outlive this. Throws ArgumentError for bad options and names of no array, DataError, Cancelled.
+  /// Throws ArgumentError for bad options and names of no array, DataError, Cancelled.
   /// Notes of the fields are added to `notes`.
-  SurfaceInVolumePictures(const SurfaceInVolume& surface, VolumeModel& volume, const SurfaceInVolumeLook& look,
+  SurfaceInVolumePictures(const SurfaceInVolume& surface, const VolumeModel& volume, const SurfaceInVolumeLook& look,
                           Progress& progress, std::vector<Note>& notes);
   ~SurfaceInVolumePictures();
   SurfaceInVolumePictures(SurfaceInVolumePictures&&) noexcept;

@@ -76,7 +76,7 @@ void VolumePicturesOptions::validate() const {
     throw ArgumentError("`label` and `unit` stand at the colour bar: not with `bar = false`");
 }
 
-VolumePictures::VolumePictures(VolumeModel& volume, const VolumePicturesOptions& options,
+VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options,
                                std::vector<PictureSurface> surfaces, Progress& progress)
     : state_(std::make_unique<State>()) {
   options.validate();
@@ -98,7 +98,7 @@ VolumePictures::VolumePictures(VolumeModel& volume, const VolumePicturesOptions&
     bake.places = s.samples->positions;
     progress.begin("bake");
     const auto baked = [&](const VolumeField& field) {
-      return volume.naming([&] { return std::make_unique<BakedVolume>(field, bake, progress); });
+      return with_name(volume.name(), [&] { return std::make_unique<BakedVolume>(field, bake, progress); });
     };
     s.baked = baked(*s.field);
     subject.field = s.baked.get();
@@ -113,7 +113,7 @@ VolumePictures::VolumePictures(VolumeModel& volume, const VolumePicturesOptions&
   if (options.grid) subject.surfaces.push_back(grid_lines(*s.samples, look));
   if (look.color_title.empty()) look.color_title = volume.array_name() + (volume.is_vector() ? " (magnitude)" : "");
   if (!options.unit.empty()) look.color_title += " [" + options.unit + "]";
-  s.picture = volume.naming([&] { return std::make_unique<VolumePicture>(std::move(subject), progress); });
+  s.picture = with_name(volume.name(), [&] { return std::make_unique<VolumePicture>(std::move(subject), progress); });
   if (look.color_bar) leave_room(look, ColorBar{s.picture->transfer(look), look.color_title, {}});
 }
 

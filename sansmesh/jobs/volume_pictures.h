@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/volume_model.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/volume_picture.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::inline v1 {
 
@@ -37,7 +37,7 @@ class VolumePictures {
  public:
   /// The array that the volume was opened with, of vectors the length. `surfaces` stand in the same pictures. Throws
   /// ArgumentError for bad options and names of no array, DataError where there is nothing to draw, Cancelled.
-  VolumePictures(VolumeModel& volume, const VolumePicturesOptions& options, std::vector<PictureSurface> surfaces,
+  VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options, std::vector<PictureSurface> surfaces,
                  Progress& progress);
   ~VolumePictures();
   VolumePictures(VolumePictures&&) noexcept;

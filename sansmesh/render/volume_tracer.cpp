@@ -245,10 +245,10 @@ std::size_t VolumeTracer::evaluate(Scratch& s) const {
   s.values.resize(n), s.gradients.resize(n), s.samples.resize(n);
   const bool ask = !volume_.bounded;
   s.inside.assign(ask ? n : 0, 1);
-  volume_.field->evaluate(s.x, {s.values, s.gradients, s.inside, {}});
+  volume_.field->evaluate(s.x, {s.values, s.gradients, s.inside});
   if (separate_) {
     s.others.resize(n), s.other_gradients.resize(n);
-    volume_.opacity->evaluate(s.x, {s.others, s.other_gradients, {}, {}});
+    volume_.opacity->evaluate(s.x, {s.others, s.other_gradients});
   }
   if (volume_.gap) {
     s.gaps.resize(n), s.gap_gradients.resize(n);
@@ -528,7 +528,7 @@ std::size_t VolumeTracer::find_roots(Scratch& s) const {
     x.clear();
     for (const std::size_t r : open) x.push_back(world(s.walks[s.active[s.roots[r].walk]], s.roots[r].sample.t));
     values.resize(x.size()), gradients.resize(x.size());
-    volume_.field->evaluate(x, {values, gradients, {}, {}});
+    volume_.field->evaluate(x, {values, gradients});
     count += x.size();
     std::size_t kept = 0;
     for (std::size_t i = 0; i < open.size(); ++i) {

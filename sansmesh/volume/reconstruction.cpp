@@ -13,6 +13,7 @@
 #include "sansmesh/field/scaled_volume.h"
 #include "sansmesh/volume/choose_reconstruction.h"
 #include "sansmesh/volume/reconstruction_input.h"
+#include "sansmesh/volume/volume_traits.h"
 
 namespace sansmesh::inline v1 {
 namespace {

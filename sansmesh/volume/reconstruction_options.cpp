@@ -1,4 +1,4 @@
-#include "sansmesh/volume/reconstruction_options.h"
+#include "sansmesh/reconstruction_options.h"
 
 #include <string>
 

@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/deform.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/deform.h"
-#include "sansmesh/jobs/read_cut.h"
-#include "sansmesh/jobs/read_deformation.h"
+#include "sansmesh/jobs/deform_things.h"
 #include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/mesh_shapes.h"
@@ -130,7 +129,7 @@ TEST(ReadDeformation, HandlesAndTheMapThatIsMadeOfThem) {
 
   const DeformationMapResult made = deformation_map(read, {{0, 0, 0}, {1, 1, 1}}, "box", {.nodes = 8}, progress);
   EXPECT_TRUE(made.notes.empty());
-  const Deformation again(std::make_shared<const DisplacementMap>(made.map));
+  const Deformation again(made.block);
   EXPECT_FALSE(again.has_handles());
   EXPECT_EQ(again.words(), "by a displacement map");
   std::vector<Vec3> moved(1);
@@ -222,7 +221,7 @@ TEST(DeformJob, VolumesAreResampledAndSeenThrough) {
   block.point_arrays.set("flow", std::move(flow), 3);
   GridData data;
   data.blocks.push_back(std::move(block));
-  VolumeModel volume(VolumeDataset(std::move(data)), "block.vti");
+  VolumeModel volume(std::move(data), "block.vti");
   Progress progress;
   std::vector<Note> notes;
   const Deformation moved = moved_by({5, 0, 0});
@@ -242,7 +241,7 @@ TEST(DeformJob, VolumesAreResampledAndSeenThrough) {
   EXPECT_EQ(lattice.report.size[0], 9u);
   EXPECT_NEAR(lattice.report.inside, 1, 0.4);  // but for its faces
 
-  volume = VolumeModel(volume.dataset(), "block.vti", {.array = "flow"});
+  volume = VolumeModel(volume, {.array = "flow"});
   const DeformableVolume seen = deformable_volume(volume, DeformAim::picture, false, progress, notes);
   EXPECT_EQ(seen.fields.at(0)->components(), 1u);
   DeformOptions options{.map_nodes = 8};

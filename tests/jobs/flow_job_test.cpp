@@ -9,11 +9,9 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/flow/analytic_flows.h"
-#include "sansmesh/jobs/flow_lines.h"
-#include "sansmesh/jobs/flow_model.h"
+#include "sansmesh/flow.h"
+#include "sansmesh/flow_options.h"
 #include "sansmesh/jobs/flow_pictures.h"
-#include "sansmesh/jobs/flow_surface.h"
 #include "sansmesh/jobs/line_picture.h"
 #include "support/notes.h"
 
@@ -45,7 +43,7 @@ GridData turning(double speed) {
 
 FlowModel of_volume(const std::string& array = "") {
   Progress progress;
-  return {VolumeModel(VolumeDataset(turning(1)), "turning.vti"), array, progress};
+  return {VolumeModel(turning(1), "turning.vti"), array, progress};
 }
 
 template <class E = ArgumentError>
@@ -64,7 +62,7 @@ TEST(FlowModel, IsWhatTheFilesAndOptionsSay) {
   Progress progress;
   const FlowModel turn = open_flow({"rotation"}, {}, {}, progress);
   EXPECT_EQ(turn.name(), "rotation (formula)");
-  EXPECT_EQ(turn.volume(), nullptr);
+  EXPECT_FALSE(turn.volume());
   EXPECT_FALSE(turn.unsteady());
   const FlowModel volume = of_volume();
   EXPECT_EQ(volume.vectors(), "velocity");

@@ -11,13 +11,12 @@
 #include "jobs/volume_models.h"
 #include "sansmesh/dataset/volume_file.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/fit_volume.h"
-#include "sansmesh/jobs/isosurface_moments.h"
+#include "sansmesh/isosurfaces.h"
 #include "sansmesh/jobs/surface_in_volume_pictures.h"
-#include "sansmesh/jobs/volume_advice.h"
-#include "sansmesh/jobs/volume_info.h"
 #include "sansmesh/jobs/volume_pictures.h"
+#include "sansmesh/jobs/volume_series.h"
 #include "sansmesh/volume/reconstruction.h"
+#include "sansmesh/volumes.h"
 #include "support/notes.h"
 
 namespace sansmesh::test {
@@ -127,9 +126,9 @@ TEST(SurfaceInVolume, OfAValueOrOfHighGradient) {
   steep.surface.kind = VolumeSurfaceOptions::Kind::high_gradient;
   for (const SurfaceInVolumeOptions& options : {SurfaceInVolumeOptions(), steep}) {
     const SurfaceInVolume surface = surface_in_volume(volume, options, progress);
-    EXPECT_GT(surface.surface.report().samples, 100u);
+    EXPECT_GT(surface.report.samples, 100u);
     EXPECT_FALSE(has_note(surface.notes, "resolved")) << "a lattice";
-    const MeshInVolume mesh = mesh_of_surface(volume, surface, {}, progress);
+    const MeshInVolume mesh = mesh_of_surface(surface, {}, progress);
     EXPECT_NEAR(mesh.report.volume.value_or(0), kBall, 0.1 * kBall);
   }
   EXPECT_NEAR(surface_in_volume(volume, {}, progress).value, 0.5, 0.01);
@@ -244,7 +243,7 @@ TEST(VolumeAdvice, CellsInNoOrderAreABodyFittedToo) {
   VolumeModel one = model_of(two, linear());
   EXPECT_TRUE(aims_at_forces(one));
   const Folder folder;
-  write_volume_file(folder / "one.smv", fit_volume(one, {}, progress).fitted);
+  write_fit(folder / "one.smv", fit_volume(one, {}, progress));
   VolumeModel fitted = open_volume({folder / "one.smv"}, {}, progress);
   EXPECT_TRUE(aims_at_forces(fitted));
   two.blocks.push_back(two.blocks[0]);
