@@ -75,8 +75,8 @@ DeformedThing thing_of(const DeformArguments& a) {
 /// All that can be told before anything is read.
 void check_deform(DeformArguments& a) {
   VolumePictureOptions& look = a.options.look;
-  static_cast<RenderOptions&>(look) = a.picture.chosen();
-  set_background(look, a.background);
+  look.picture = a.picture.chosen();
+  set_background(look.picture, a.background);
   a.options.any_view = !a.picture.has_view();
   a.picture.check_frames(a.options.frames.has_value());
   a.deformation.validate();
@@ -103,7 +103,7 @@ struct WritePose {
     write_text(file, file.ends_with(".svg") ? section_svg(sections, {.unit = a.unit}) : section_csv(sections));
   }
   void operator()(const GridBlock& block) const { write_volume(file, block); }
-  void operator()(const Image& image) const { a.picture.write(file, image, a.options.look); }
+  void operator()(const Image& image) const { a.picture.write(file, image, a.options.look.picture); }
 };
 
 UsePose to_files(const DeformArguments& a, Deformed& deformed, Console& console) {

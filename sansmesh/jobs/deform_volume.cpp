@@ -73,8 +73,9 @@ class VolumePoses {
     }
     if (look_.color_title.empty()) look_.color_title = volume_.arrays.at(0);
     if (options_.any_view)
-      if (const auto view = view_of_layer(samples.bounds(), look_.up)) look_.view = *view;
-    look_.steady = options_.frames.has_value();
+      if (const auto view = view_of_layer(samples.bounds(), look_.picture.view.up))
+        look_.picture.view.direction = *view;
+    look_.picture.view.steady = options_.frames.has_value();
     framed_ = places_of_poses(deformation_, before_, options_, true);
   }
 
@@ -133,9 +134,11 @@ class VolumePoses {
     subject.places = places;
     if (framed.empty() && torn) add_corners(deformation_.box_of(maps, before_).value_or(box), framed);
     subject.framed = framed;
-    if (options_.draw_folds && !folded.triangles.empty()) subject.surfaces.push_back(surface_in_picture(folded, look_));
+    if (options_.draw_folds && !folded.triangles.empty())
+      subject.surfaces.push_back(surface_in_picture(folded, look_.picture));
     if (options_.draw_handles && deformation_.has_handles())
-      subject.surfaces.push_back(surface_in_picture(deformation_.handle_shapes_at(share, before_.diagonal()), look_));
+      subject.surfaces.push_back(
+          surface_in_picture(deformation_.handle_shapes_at(share, before_.diagonal()), look_.picture));
     const VolumePicture picture(std::move(subject), progress_);
     VolumePictureReport report;
     Image image = picture.render(look_, progress_, &report);
