@@ -1,5 +1,5 @@
 // sansmesh convert: clouds and meshes into other formats, moved, cropped, thinned, welded, split on the way.
-#include "sansmesh/jobs/convert.h"
+#include "sansmesh/convert.h"
 
 #include <fmt/format.h>
 
@@ -15,7 +15,6 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
-#include "sansmesh/jobs/split.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/jobs/convert_steps.h"
+#include "sansmesh/convert.h"
 
 namespace sansmesh::cli {
 

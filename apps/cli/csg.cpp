@@ -1,5 +1,5 @@
 // sansmesh csg: an expression of functions and primitives in, closed mesh with its creases out.
-#include "sansmesh/jobs/csg.h"
+#include "sansmesh/solids.h"
 
 #include <fmt/core.h>
 
@@ -48,7 +48,7 @@ void run_csg(const CsgArguments& a, Console& console) {
                               : ""));
   const auto corner = [](const Vec3& p) { return std::vector<double>{p.x, p.y, p.z}; };
   const Json json = {{"expression", a.expression},
-                     {"files", solid.files},
+                     {"files", solid.files()},
                      {"box", {{"lower", corner(report.box.lower)}, {"upper", corner(report.box.upper)}}},
                      {"cell", report.cell},
                      {"depth", report.depth},

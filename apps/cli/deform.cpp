@@ -13,11 +13,11 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/write_volume.h"
 #include "sansmesh/jobs/read_deformation.h"
 #include "sansmesh/measure/section_text.h"
+#include "sansmesh/surface_function.h"
 #include "schema_options.h"
 #include "solid_input.h"
 #include "volume_colors.h"
@@ -163,7 +163,7 @@ Deformed deform_solid(const DeformArguments& a, const Deformation& deformation, 
   if (a.aim() == DeformAim::shape) check_writable(a.output, "mesh");
   Deformed d;
   const SolidModel solid = open_solid(a.input.files[0], console);
-  d.input = {{"expression", a.input.files[0]}, {"files", solid.files}};
+  d.input = {{"expression", a.input.files[0]}, {"files", solid.files()}};
   d.result = deform(solid, deformation, a.aim(), a.options, to_files(a, d, console), console.progress());
   const DeformReport& r = d.result.report;
   if (r.mesh_of_open)
@@ -221,7 +221,7 @@ Deformed write_displacement_map(const DeformArguments& a, DeformedThing thing, c
                                 Console& console) {
   Json ignored;
   const Box3 before = thing == DeformedThing::volume  ? a.input.open(console).samples(console.progress())->bounds()
-                      : thing == DeformedThing::solid ? open_solid(a.input.files[0], console).solid.bounds()
+                      : thing == DeformedThing::solid ? open_solid(a.input.files[0], console).bounds()
                                                       : bounds_of(read_cloud(a, ignored, console));
   DeformationMapResult made = deformation_map(deformation, before, a.input.name(), a.map, console.progress());
   console.progress().begin("write");

@@ -12,8 +12,7 @@
 #include "option_groups.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/edit_script.h"
-#include "sansmesh/function/function_file.h"
+#include "sansmesh/function_edits.h"
 #include "sansmesh/io.h"
 #include "schema_options.h"
 
@@ -102,7 +101,7 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
   }
   progress.finish();
 
-  const std::size_t fits = function.field.report().functions;
+  const std::size_t fits = info(function).fits;
   const Diagnosis& d = made.diagnosis;
   console.say(fmt::format("{}: {}; largest gradient around the surface {:.2f}", a.input, counted(fits, "local fit"),
                           d.largest_gradient));

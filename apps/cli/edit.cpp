@@ -1,5 +1,5 @@
 // sansmesh edit: a function file in, a script of edits, a new function file out; its mesh brought up to date.
-#include "sansmesh/jobs/edit.h"
+#include "sansmesh/functions.h"
 
 #include <fmt/core.h>
 
@@ -11,8 +11,7 @@
 #include "sansmesh/core/boxes.h"
 #include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/edit_script.h"
-#include "sansmesh/function/function_file.h"
+#include "sansmesh/function_edits.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 
@@ -90,7 +89,7 @@ void run_edit(const EditArguments& a, Console& console) {
   progress.begin("write");
   Json json = {{"input", {{"file", a.input}}}, {"steps", Json::array()}};
   for (const EditReport& step : made.steps) json["steps"].push_back(step_json(step));
-  const std::size_t fits = made.function.field.report().functions, triangles = made.mesh.triangles.size();
+  const std::size_t fits = info(made.function).fits, triangles = made.mesh.triangles.size();
   const MeshUpdate& update = made.update;
   if (!a.output.empty()) {
     write_function(a.output, made.function);

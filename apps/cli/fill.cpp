@@ -1,5 +1,5 @@
 // sansmesh fill: holes of a mesh, listed and filled.
-#include "sansmesh/jobs/fill.h"
+#include "sansmesh/repair.h"
 
 #include <fmt/core.h>
 
@@ -10,7 +10,7 @@
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

@@ -1,5 +1,5 @@
 // sansmesh fit: points in, function file out.
-#include "sansmesh/jobs/fit_function.h"
+#include "sansmesh/functions.h"
 
 #include <fmt/core.h>
 
@@ -9,7 +9,6 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/io.h"
 #include "schema_options.h"
 
@@ -39,28 +38,27 @@ void run_fit(const FitArguments& a, Console& console) {
   write_function(a.output, function, !a.without_samples);
   progress.finish();
 
-  const PartitionReport& r = function.field.report();
-  const Placement& place = function.place;
+  const FunctionInfo r = info(function);
   console.say(fmt::format("{}: {} ({})", a.input.name(), counted(given, "point"), read.format));
   console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(scale.spacing),
-                          scale.noise_words(), length(place.to_input(r.accuracy))));
+                          scale.noise_words(), length(r.accuracy)));
   console.say("normals " + normals_made(report.estimated_normals, report.oriented_by));
   if (!report.alignment.empty()) console.say(report.alignment);
-  console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.functions, "local fit"),
-                          r.depth, grouped(r.creased), a.without_samples ? ", without samples" : ""));
-  if (function.paper)
-    for (const std::string& line : paper_words(*function.paper, r.functions_of_degree)) console.say(line);
+  console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.fits, "local fit"), r.depth,
+                          grouped(r.creased), a.without_samples ? ", without samples" : ""));
+  if (r.paper)
+    for (const std::string& line : paper_words(*r.paper, r.fits_of_degree)) console.say(line);
   Json json = {{"input", a.input.json(read, given)}};
   scale.add_to(json);
-  json["deviation"] = place.to_input(r.noise);
+  json["deviation"] = r.deviation;
   json["normals"] = normals_made_json(report.estimated_normals, report.oriented_by);
-  json["accuracy"] = place.to_input(r.accuracy);
+  json["accuracy"] = r.accuracy;
   json["depth"] = r.depth;
-  json["fits"] = r.functions;
-  json["fits_of_degree"] = r.functions_of_degree;
+  json["fits"] = r.fits;
+  json["fits_of_degree"] = r.fits_of_degree;
   json["creased"] = r.creased;
-  json["output"] = {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}};
-  if (function.paper) json["paper"] = paper_json(*function.paper);
+  json["output"] = {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples()}};
+  if (r.paper) json["paper"] = paper_json(*r.paper);
   if (a.options.cloud.align) json["alignment"] = report.alignment;
   console.say_json(json);
   console.print_timings();

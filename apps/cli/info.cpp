@@ -1,5 +1,5 @@
 // sansmesh info: what is in a file?
-#include "sansmesh/jobs/info.h"
+#include "sansmesh/points.h"
 
 #include <fmt/format.h>
 
@@ -10,8 +10,8 @@
 #include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/io.h"
+#include "sansmesh/surface_function.h"
 #include "volume_info.h"
 
 namespace sansmesh::cli {

@@ -3,12 +3,10 @@
 
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/error.h"
-#include "sansmesh/function/function_file.h"
-#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/functions.h"
 #include "sansmesh/io.h"
-#include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_measures.h"
+#include "sansmesh/mesh_options.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {
@@ -26,26 +24,21 @@ void run_mesh(MeshArguments& a, Console& console) {
   Progress& progress = console.progress();
   progress.begin("read");
   const SurfaceFunction function = read_function(a.input);
-  MeshReport report;
-  TriangleMesh mesh;
-  try {
-    mesh = mesh_function(function, a.options, progress, &report);
-  } catch (const DataError& error) {
-    throw FileError(a.input, error.what());
-  }
-  console.warn(a.input, report.warnings);
+  const auto [mesh, report, notes] =
+      naming(a.input, console, [&] { return mesh_of_function(function, a.options, progress); });
+  console.note(a.input, notes);
   a.output.write(mesh, progress);
   progress.finish();
 
   const MeshTopology topology = measure_topology(mesh);
-  console.say(fmt::format("{}: {}, {}", a.input, counted(function.field.report().functions, "local fit"),
-                          counted(function.samples->size(), "sample")));
+  const std::size_t fits = info(function).fits;
+  console.say(fmt::format("{}: {}, {}", a.input, counted(fits, "local fit"), counted(function.samples(), "sample")));
   console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()), counted(topology.components, "component"),
                           topology.closed() ? ", closed" : ", with borders"));
   if (report.simplices > 0) console.say("walked through " + grouped(report.simplices) + " simplices");
   if (a.options.measure_quality) say_aspect_ratios(report, console);
-  Json json = {{"input", {{"file", a.input}, {"fits", function.field.report().functions}}},
+  Json json = {{"input", {{"file", a.input}, {"fits", fits}}},
                {"blocks", report.blocks},
                {"depth", report.block_depth},
                {"output",

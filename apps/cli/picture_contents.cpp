@@ -45,7 +45,7 @@ std::vector<PictureSurface> PictureContents::read(const RenderOptions& options, 
   surface.picture = options;
   for (const std::string& file : clouds_) try {
       seen_.push_back(std::make_unique<SeenSurface>(
-          is_function_file(file) ? make_surface_model(read_function(file))
+          is_function_file(file) ? make_surface_model(read_function(file).fitted())
                                  : make_surface_model(read_points(file), SurfaceOptions{}, progress),
           progress));
       const SeenSurface& s = *seen_.back();

@@ -8,8 +8,8 @@
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/reconstruct.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
+#include "sansmesh/reconstruct.h"
 #include "surface_options.h"
 
 namespace sansmesh::cli {

@@ -1,5 +1,5 @@
 // sansmesh simplify: fewer triangles for the same surface, and how far off these are.
-#include "sansmesh/jobs/simplify.h"
+#include "sansmesh/repair.h"
 
 #include <fmt/core.h>
 
@@ -10,7 +10,7 @@
 #include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/io.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

@@ -3,7 +3,7 @@
 
 #include "cloud_input.h"
 #include "console.h"
-#include "sansmesh/jobs/any_surface.h"
+#include "sansmesh/inspect.h"
 
 namespace sansmesh::cli {
 

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/convert.h"
+#include "sansmesh/convert.h"
 
 #include <fmt/format.h>
 

@@ -47,7 +47,7 @@ std::string ListedPlace::worst_words() const {
 
 DiagnoseResult diagnose(const SurfaceFunction& function, const DiagnoseOptions& options, Progress& progress) {
   DiagnoseResult result;
-  result.diagnosis = diagnose_function(function, options, progress);
+  result.diagnosis = diagnose_function(function.fitted(), options, progress);
   result.places = listed_places(result.diagnosis);
   result.edits = result.diagnosis.edits();
   return result;

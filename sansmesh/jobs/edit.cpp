@@ -1,4 +1,7 @@
-#include "sansmesh/jobs/edit.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/function/edit_function.h"
+#include "sansmesh/function/update_mesh.h"
+#include "sansmesh/functions.h"
 
 #include <fmt/core.h>
 
@@ -14,7 +17,7 @@ namespace {
 /// Throws DataError unless it is a mesh of the function, whoever made it.
 void check_mesh(const EditInput& input) {
   if (input.mesh->triangles.empty()) throw DataError(input.mesh_name + ": has no triangles");
-  const MeshMatch match = match_mesh(input.function, *input.mesh);
+  const MeshMatch match = match_mesh(input.function.fitted(), *input.mesh);
   if (match.belongs()) return;
   const Vec3& at = match.farthest_at;
   throw DataError(
@@ -29,7 +32,7 @@ void check_mesh(const EditInput& input) {
 EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_mesh, Progress& progress) {
   if (input.mesh) check_mesh(input);
   std::vector<EditReport> steps;
-  FunctionEditor editor(std::move(input.function));
+  FunctionEditor editor(input.function.fitted());
   for (std::size_t i = 0; i < edits.size(); ++i) {
     const std::string step = fmt::format("step {}: ", i + 1);
     try {
@@ -40,7 +43,7 @@ EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_m
       throw DataError(input.name + ": " + step + error.what());
     }
   }
-  EditedFunction result{.function = editor.function(), .steps = std::move(steps)};
+  EditedFunction result{.function = SurfaceFunction(editor.function()), .steps = std::move(steps)};
   try {
     if (make_mesh)
       result.mesh = input.mesh ? update_mesh(editor.function(), std::move(*input.mesh), editor.changed(), {}, progress,

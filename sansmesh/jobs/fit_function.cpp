@@ -1,6 +1,10 @@
-#include "sansmesh/jobs/fit_function.h"
+#include "sansmesh/functions.h"
 
 #include <utility>
+#include <vector>
+
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/points/prepare_cloud.h"
 
 namespace sansmesh::inline v1 {
 
@@ -8,10 +12,10 @@ FitFunctionResult fit_function(PointSet points, const FitFunctionOptions& option
   options.validate();
   PreparedCloud cloud = prepare_cloud(std::move(points), options.cloud, progress);
   FitFunctionReport report{cloud.estimated_normals, cloud.oriented_by, cloud.alignment};
-  SurfaceFunction function = fit_surface_function(std::move(cloud), options.fit, progress);
-  FitFunctionResult result{std::move(function), std::move(report), {}};
-  add_notes(result.notes, "preparation", result.function.warnings);
-  return result;
+  FittedFunction function = fit_surface_function(std::move(cloud), options.fit, progress);
+  std::vector<Note> notes;
+  add_notes(notes, "preparation", function.warnings);
+  return {SurfaceFunction(std::move(function)), std::move(report), std::move(notes)};
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,10 @@
-#include "sansmesh/jobs/info.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/partition/partition_data.h"
+#include "sansmesh/points.h"
+#include "sansmesh/points/given_normals.h"
+#include "sansmesh/points/noise.h"
 
 #include <fmt/core.h>
 
@@ -83,7 +89,8 @@ CloudInfo info(const PointSet& points, Progress& progress) {
   return info;
 }
 
-FunctionInfo info(const SurfaceFunction& function) {
+FunctionInfo info(const SurfaceFunction& told) {
+  const FittedFunction& function = told.fitted();
   const PartitionReport& r = function.field.report();
   const Placement& place = function.place;
   FunctionInfo info;
@@ -100,6 +107,7 @@ FunctionInfo info(const SurfaceFunction& function) {
   info.deviation = place.to_input(r.noise);
   info.accuracy = place.to_input(r.accuracy);
   info.history = function.history;
+  info.paper = function.paper;
   return info;
 }
 

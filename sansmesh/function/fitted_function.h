@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/function/fit_options.h"
+#include "sansmesh/fit_options.h"
 #include "sansmesh/partition/paper_fit.h"
 #include "sansmesh/partition/partition_of_unity.h"
 #include "sansmesh/placement.h"
@@ -18,7 +18,7 @@ namespace sansmesh::inline v1 {
 
 /// A partition of unity (METHODS §3.1) with its place in the input and the samples that it was fitted to. Copies share
 /// the samples.
-struct SurfaceFunction {
+struct FittedFunction {
   PartitionOfUnity field;  ///< in coordinates of its own, in which the samples are about 1 large
   Placement place;         ///< of these in the input; the unit is a power of two
   /// In the field's coordinates, along the Morton curve of its root cube; never null, but empty where they were not
@@ -30,10 +30,10 @@ struct SurfaceFunction {
 };
 
 /// The function of samples that are clean and oriented. Throws ArgumentError for bad options.
-SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& options, Progress& progress);
+FittedFunction fit_surface_function(PreparedCloud cloud, const FitOptions& options, Progress& progress);
 
 /// The same of samples as they come: they are cleaned and oriented before (prepare_cloud, as it does by itself). Throws
 /// DataError where the points cannot be reconstructed (fewer than 9, all coincident, collinear or in a plane).
-SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress);
+FittedFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

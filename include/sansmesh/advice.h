@@ -1,12 +1,14 @@
-// What a cloud is like: noise, density, creases, borders, outliers.
+// Traits of a cloud, and the methods that suit it.
 #pragma once
 
 #include <cstddef>
 #include <string>
 #include <vector>
 
+#include "sansmesh/api.h"
+#include "sansmesh/cloud_options.h"
+#include "sansmesh/note.h"
 #include "sansmesh/point_set.h"
-#include "sansmesh/points/orientation.h"
 #include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {
@@ -42,6 +44,34 @@ struct CloudTraits {
 
 /// Measures the samples: O(n), most of it for the outliers, about 2 µs of CPU per sample, and the openness, up to a
 /// second. Throws DataError where the points cannot be reconstructed at all.
-CloudTraits measure_traits(PointSet points, Progress& progress, std::vector<std::string>* warnings = nullptr);
+SANSMESH_API CloudTraits measure_traits(PointSet points, Progress& progress,
+                                        std::vector<std::string>* warnings = nullptr);
+
+struct Recommendation {
+  enum class Aim { mesh, picture, curvature, points, solid, deformation } aim;
+  std::string surface;           ///< by name
+  bool sharp = false;            ///< SurfaceOptions::sharp
+  bool remove_outliers = false;  ///< CloudUse::remove_outliers
+  std::string why;               ///< one sentence, which names options as errors do (sansmesh/error.h)
+};
+
+struct Advice {
+  CloudTraits traits;
+  /// What was seen, one line each, in the order of importance.
+  std::vector<std::string> findings;
+  /// What to do, the first choice first; one entry at least for a mesh, a picture, curvatures, solids (editing, CSG)
+  /// and deformation each.
+  std::vector<Recommendation> recommendations;
+  std::vector<Note> notes;  ///< "preparation": what there is to say of the samples
+};
+
+/// What METHODS §8 and docs/methods/which-method.md say of such traits.
+SANSMESH_API Advice advise(const CloudTraits& traits);
+
+/// Both.
+SANSMESH_API Advice advise(const PointSet& points, Progress& progress);
+
+/// mesh, picture, …
+SANSMESH_API const char* aim_word(Recommendation::Aim aim);
 
 }  // namespace sansmesh::inline v1

@@ -1,24 +1,25 @@
 // From samples to a mesh in one call.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "sansmesh/function/mesh_function.h"
-#include "sansmesh/function/surface_function.h"
-#include "sansmesh/meshing/mesh_options.h"
-#include "sansmesh/model/surface_model.h"
+#include "sansmesh/api.h"
+#include "sansmesh/cloud_options.h"
+#include "sansmesh/fit_options.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/note.h"
 #include "sansmesh/point_set.h"
-#include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/surface_options.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 
 /// What to do to the samples, how to fit and how to mesh.
-struct ReconstructOptions {
+struct SANSMESH_API ReconstructOptions {
   CloudUse cloud = {};
   FitOptions fit = {};
   MeshOptions mesh = {};
@@ -57,6 +58,6 @@ struct ReconstructResult {
 /// Points (normals are estimated or oriented if need be) → manifold mesh, closed where the surface bounds a solid.
 /// Throws DataError where the points cannot be reconstructed (fewer than 9, all coincident, collinear or in a plane),
 /// ArgumentError for bad options.
-ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress);
+SANSMESH_API ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

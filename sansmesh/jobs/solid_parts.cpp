@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/solid_model.h"
+#include "sansmesh/solids.h"
 
 #include <fmt/core.h>
 
@@ -7,11 +7,12 @@
 
 #include "sansmesh/csg/parse_csg.h"
 #include "sansmesh/error.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/function_distance.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/function/function_solid.h"
 #include "sansmesh/function/mesh_solid.h"
 #include "sansmesh/io.h"
+#include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/jobs/volume_model.h"
 
 namespace sansmesh::inline v1 {
@@ -26,7 +27,7 @@ class SolidReader {
   explicit SolidReader(Progress& progress) : progress_(progress) {}
 
   std::vector<std::string> files;
-  std::map<std::string, std::shared_ptr<const SurfaceFunction>> functions;
+  std::map<std::string, SurfaceFunction> functions;
   std::vector<Note> notes;
 
   Solid solid(const std::string& name) {
@@ -52,11 +53,11 @@ class SolidReader {
     if (std::find(files.begin(), files.end(), name) == files.end()) files.push_back(name);
   }
 
-  std::shared_ptr<const SurfaceFunction> function(const std::string& name) {
-    std::shared_ptr<const SurfaceFunction>& known = functions[name];
-    if (!known) known = std::make_shared<const SurfaceFunction>(read_function(name));
+  std::shared_ptr<const FittedFunction> function(const std::string& name) {
+    auto known = functions.find(name);
+    if (known == functions.end()) known = functions.emplace(name, read_function(name)).first;
     add_file(name);
-    return known;
+    return known->second.shared();
   }
 
   /// The exact distance to its faces; of offsets with their rounded edges.
@@ -90,18 +91,28 @@ class SolidReader {
 
 }  // namespace
 
+SolidModel::SolidModel(SolidParts parts) : parts_(std::make_shared<const SolidParts>(std::move(parts))) {}
+
+const std::string& SolidModel::expression() const { return parts_->expression; }
+
+const std::vector<std::string>& SolidModel::files() const { return parts_->files; }
+
+Box3 SolidModel::bounds() const { return parts_->solid.bounds(); }
+
+const std::vector<Note>& SolidModel::notes() const { return parts_->notes; }
+
 ComponentChoice SolidModel::usual_components() const {
-  return {functions.empty() ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic, 1};
+  return {parts_->functions.empty() ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic, 1};
 }
 
-std::shared_ptr<const SurfaceFunction> SolidModel::whole_function() const {
-  return functions.size() == 1 && functions.begin()->first == expression ? functions.begin()->second : nullptr;
+const SurfaceFunction* SolidParts::whole_function() const {
+  return functions.size() == 1 && functions.begin()->first == expression ? &functions.begin()->second : nullptr;
 }
 
 std::vector<Note> SolidModel::open_notes() const {
   std::vector<Note> found;
-  for (const auto& [name, function] : functions)
-    if (is_open(*function))
+  for (const auto& [name, function] : parts_->functions)
+    if (is_open(function))
       found.push_back(
           {.code = "open",
            .text = "its surface bounds no solid: taken as all that lies behind it, as far as the box reaches",
@@ -111,7 +122,7 @@ std::vector<Note> SolidModel::open_notes() const {
 }
 
 bool is_open(const SurfaceFunction& function) {
-  const PartitionReport& fitted = function.field.report();
+  const PartitionReport& fitted = function.fitted().field.report();
   return fitted.open_area > kOpenShare * fitted.area;
 }
 
@@ -121,7 +132,8 @@ SolidModel read_solid(const std::string& expression, Progress& progress) {
   Solid solid = parse_csg(
       expression, [&](const std::string& name) { return reader.solid(name); },
       [&](const std::string& name) { return reader.distance(name); });
-  return {expression, std::move(solid), std::move(reader.files), std::move(reader.functions), std::move(reader.notes)};
+  return SolidModel(
+      {expression, std::move(solid), std::move(reader.files), std::move(reader.functions), std::move(reader.notes)});
 }
 
 }  // namespace sansmesh::inline v1
