@@ -246,20 +246,20 @@ void draw_noise(const std::string& file) {
   TriangleMesh mesh = mesh_csg(plate, options, progress);
   mesh.normals.clear();
   RenderOptions look;
-  look.width = 480, look.height = 400;
-  look.view = {30, 40};
-  look.up = UpAxis::z;
+  look.view.width = 480, look.view.height = 400;
+  look.view.direction = {30, 40};
+  look.view.up = UpAxis::z;
   const PlainSvdMap plain(handles);
   const MlsDeformation ours(handles, {});
-  Image both(2 * look.width, look.height);
+  Image both(2 * look.view.width, look.view.height);
   int column = 0;
   for (const SpaceMap* map : {static_cast<const SpaceMap*>(&plain), static_cast<const SpaceMap*>(&ours)}) {
     TriangleMesh moved = deform_mesh(mesh, *map);
     moved.normals.clear();
     const Image image = render_mesh(moved, look);
-    for (int y = 0; y < look.height; ++y)
-      for (int x = 0; x < look.width; ++x) both.at(column + x, y) = image.at(x, y);
-    column += look.width;
+    for (int y = 0; y < look.view.height; ++y)
+      for (int x = 0; x < look.view.width; ++x) both.at(column + x, y) = image.at(x, y);
+    column += look.view.width;
   }
   write_image(file, both);
 }

@@ -92,11 +92,11 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
              process_cpu_seconds() - begin, 100 * baked->report().error_mean, thread_count());
 
   VolumePictureOptions look;
-  look.width = look.height = size;
-  look.samples = 1, look.step = step, look.least_light = 0.02;  // while a handle is held
-  look.up = UpAxis::z;
-  look.view = {40, 20};
-  look.steady = true;
+  look.picture.view.width = look.picture.view.height = size;
+  look.picture.quality.samples = 1, look.step = step, look.least_light = 0.02;  // while a handle is held
+  look.picture.view.up = UpAxis::z;
+  look.picture.view.direction = {40, 20};
+  look.picture.view.steady = true;
   look.transfer =
       preset.empty() ? suggest_transfer_function(values, true).function : transfer_function_preset(preset, values);
   const Box3 box = field->bounds();

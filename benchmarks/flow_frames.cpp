@@ -39,26 +39,26 @@ void run(int size, int frames) {
     subject.fronts.push_back(p.front);
     if (surface.points.size() < 1000 || p.particle % 7 == 0) places.push_back(p.position);  // enough to frame it
   }
-  RenderOptions look;
-  look.width = look.height = size;
-  look.shadows = look.ground = false;
-  look.samples = 1;
-  look.occlusion_rays = 0;
-  look.up = UpAxis::z;
-  look.background = RenderOptions::Background::solid;
+  RenderOptions picture;
+  picture.view.width = picture.view.height = size;
+  picture.look.shadows = picture.look.ground = false;
+  picture.quality.samples = 1;
+  picture.quality.occlusion_rays = 0;
+  picture.view.up = UpAxis::z;
+  picture.look.background = PictureLook::Background::solid;
   fmt::print("{} triangles, {} x {} pixels, {} threads\n", surface.mesh.triangles.size(), size, size, thread_count());
   for (const bool splats : {false, true})
     for (const bool streaks : {false, true}) {
       FlowLook flow_look;
       flow_look.splats = splats;
       if (!streaks) flow_look.texture.reset();
-      const PictureSurface drawn = DrawnFlow(subject, look).surface(flow_look);
+      const PictureSurface drawn = DrawnFlow(subject, picture).surface(flow_look);
       std::vector<double> times;
       double cpu = 0, covered = 0;
       for (int k = 0; k <= frames; ++k) {
-        look.view = {360.0 * k / frames, 60};
+        picture.view.direction = {360.0 * k / frames, 60};
         const double begin = seconds(), before = process_cpu_seconds();
-        const Image image = render_surfaces({&drawn, 1}, places, false, false, look, progress);
+        const Image image = render_surfaces({&drawn, 1}, places, false, picture, progress);
         if (k == 0) continue;  // the tree
         times.push_back(seconds() - begin);
         cpu += process_cpu_seconds() - before;

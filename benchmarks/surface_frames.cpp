@@ -117,7 +117,7 @@ void run(const std::string& folder, int runs) {
     const SurfaceCaster caster = model.projection() ? SurfaceCaster(*model.projection(), model.balls(), cast)
                                                     : SurfaceCaster(model.field(progress), model.balls(), cast);
     SurfaceRenderOptions picture;
-    picture.width = row.width, picture.height = row.height;
+    picture.picture.view.width = row.width, picture.picture.view.height = row.height;
     picture.plain = true;
     double best = 1e30;
     for (int k = 0; k < runs; ++k) {

@@ -94,8 +94,8 @@ void frames(Volume& volume) {
   TriangleMesh boundary;
   if (!volume.samples->lattice) boundary = volume_boundary(*volume.samples);
   VolumePictureOptions options;
-  options.width = options.height = 512;
-  options.samples = 1;
+  options.picture.view.width = options.picture.view.height = 512;
+  options.picture.quality.samples = 1;
   const auto picture_of = [&](const VolumeField& shown) {
     VolumeSubject subject;
     subject.field = &shown;

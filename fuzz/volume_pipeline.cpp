@@ -205,8 +205,8 @@ void draw(const SampledVolume& volume, const VolumeField& field, std::uint8_t bi
   subject.field = &field;
   if (!boundary.triangles.empty()) subject.boundary = &boundary;
   VolumePictureOptions options;
-  options.width = options.height = 16;
-  options.samples = 1;
+  options.picture.view.width = options.picture.view.height = 16;
+  options.picture.quality.samples = 1;
   options.step = 2;
   options.color_bar = (bits & 1) != 0;
   options.axes = (bits & 2) != 0;

@@ -105,7 +105,7 @@ void write_map(const CompareArguments& a, const CompareResult& made, Progress& p
     else
       write_mesh(a.output, made.mesh, {.ascii = a.ascii});
   }
-  if (!a.preview.empty()) a.picture.write(a.preview, picture.image, picture.look);
+  if (!a.preview.empty()) a.picture.write(a.preview, picture.image, picture.made_with);
 }
 
 /// What was left out, and what was written.

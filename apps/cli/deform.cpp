@@ -74,8 +74,8 @@ DeformedThing thing_of(const DeformArguments& a) {
 /// All that can be told before anything is read.
 void check_deform(DeformArguments& a) {
   VolumePictureOptions& look = a.options.look;
-  static_cast<RenderOptions&>(look) = a.picture.chosen();
-  set_background(look, a.background);
+  look.picture = a.picture.chosen();
+  set_background(look.picture, a.background);
   a.options.any_view = !a.picture.has_view();
   a.picture.check_frames(a.options.frames.has_value());
   a.deformation.validate();
@@ -103,8 +103,8 @@ struct WritePose {
   }
   void operator()(const GridBlock& block) const { write_volume(file, block); }
   void operator()(const DeformedPicture& picture) const {
-    RenderOptions look = a.options.look;
-    look.width -= picture.bar;
+    RenderOptions look = a.options.look.picture;
+    look.view.width -= picture.bar;
     a.picture.write(file, picture.image, look);
   }
 };

@@ -38,10 +38,10 @@ void check_flow_lines(FlowLinesArguments& a) {
             "--color-by, --unit, --tube-radius, --background and the options of the picture need --preview");
     return;
   }
-  a.drawn.look = a.picture.chosen();
+  a.drawn.picture = a.picture.chosen();
   a.drawn.any_view = !a.picture.has_view();
   a.drawn.any_background = a.background.empty();
-  set_background(a.drawn.look, a.background);
+  set_background(a.drawn.picture, a.background);
   a.drawn.validate(usual_color(a.options.lines));
   check_writable(a.preview, "image");
 }
@@ -58,7 +58,7 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   if (!a.preview.empty()) picture = line_picture(made.lines, a.drawn, usual_color(a.options.lines), progress);
   progress.begin("write");
   write_lines(a.output, made.lines, {a.ascii});
-  if (picture) a.picture.write(a.preview, picture->image, picture->look);
+  if (picture) a.picture.write(a.preview, picture->image, picture->made_with);
   progress.finish();
   console.note(flow.source(), made.notes);
   console.say(fmt::format("{}: {} from {}", flow.name(), counted(made.lines.size(), "line"), counted(r.seeds, "seed")));

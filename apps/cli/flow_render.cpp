@@ -27,9 +27,9 @@ struct FlowRenderArguments {
 
 void run_flow_render(FlowRenderArguments& a, Console& console) {
   check_writable(a.output, "image");
-  a.options.look = a.picture.chosen();
+  a.options.picture = a.picture.chosen();
   a.options.any_view = !a.picture.has_view();
-  set_background(a.options.look, a.background);
+  set_background(a.options.picture, a.background);
   a.options.validate();
   a.picture.check_frames(a.options.frames.has_value());
   require(!a.options.in_volume() || !a.input.flow.unsteady,
@@ -43,7 +43,7 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
     a.picture.write(files.back(), image, made_with);
   };
   const FlowPicturesResult made =
-      flow_pictures(flow, a.options, a.contents.read(a.options.look, console), write, console.progress());
+      flow_pictures(flow, a.options, a.contents.read(a.options.picture, console), write, console.progress());
   console.progress().finish();
   console.note(flow.source(), made.notes);
   say_flow_surface(made.surface, flow, console);

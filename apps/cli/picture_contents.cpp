@@ -42,7 +42,7 @@ std::vector<PictureSurface> PictureContents::read(const RenderOptions& options, 
       throw FileError(file, error.what());
     }
   SurfaceRenderOptions surface;
-  static_cast<RenderOptions&>(surface) = options;
+  surface.picture = options;
   for (const std::string& file : clouds_) try {
       seen_.push_back(std::make_unique<SeenSurface>(
           is_function_file(file) ? make_surface_model(read_function(file).fitted())

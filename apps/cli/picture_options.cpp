@@ -18,11 +18,11 @@ Image PictureArguments::write(const std::string& file, const Image& image, const
 }
 
 void set_background(RenderOptions& o, const std::string& word) {
-  using Background = RenderOptions::Background;
-  if (word == "transparent") o.background = Background::transparent;
+  using Background = PictureLook::Background;
+  if (word == "transparent") o.look.background = Background::transparent;
   if (word == "white" || word == "black") {
-    o.background = Background::solid;
-    o.background_color = word == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
+    o.look.background = Background::solid;
+    o.look.background_color = word == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
   }
 }
 
@@ -45,9 +45,9 @@ void add_picture_options(CommandLine& c, PictureArguments& a) {
   const char* const group = kViewGroup;
   add_schema(c, a.options, {.group = group, .only = {"width", "height"}});
   add_schema(c, a.place, {.group = group, .without = {"crop"}});
-  add_schema(c, a.options,
-             {.group = group,
-              .only = {"field_of_view", "orthographic", "scale_bar", "look_at", "zoom", "look_radius", "clip_box"}});
+  add_schema(c, a.options, {.group = group, .only = {"field_of_view", "orthographic"}});
+  add_schema(c, a.options, {.group = group, .only = {"scale_bar"}});
+  add_schema(c, a.options, {.group = group, .only = {"look_at", "zoom", "look_radius", "clip_box"}});
   add_schema(c, a.place, {.group = group, .only = {"crop"}});
 }
 

@@ -34,8 +34,8 @@ struct WrittenPictures {
 
 PictureOptions complete_options(const RenderArguments& a) {
   PictureOptions options = a.options;
-  static_cast<RenderOptions&>(options.look) = a.picture.chosen();
-  set_background(options.look, a.background);
+  options.look.picture = a.picture.chosen();
+  set_background(options.look.picture, a.background);
   options.surface = a.of_samples.chosen();
   options.validate();
   return options;
@@ -127,11 +127,11 @@ void run_render(const RenderArguments& a, Console& console) {
   for (const CloudInput& input : inputs)
     objects.push_back(open_object(input, !options.surface && !options.splats, console, read));
   WrittenPictures written;
-  const auto write = [&](std::size_t frame, const Image& image, const RenderOptions& look) {
+  const auto write = [&](std::size_t frame, const Image& image, const RenderOptions& made_with) {
     written.files.push_back(options.frames ? frame_name(a.output, frame) : a.output);
     if (written.files.size() > 1) console.keep_frames();
     progress.begin("write");
-    const Image part = a.picture.write(written.files.back(), image, look);
+    const Image part = a.picture.write(written.files.back(), image, made_with);
     written.width = part.width, written.height = part.height;
   };
   const RenderResult made = render(std::move(objects), options, write, progress);
@@ -157,7 +157,9 @@ Command add_render(CommandLine& app) {
   c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
   add_picture_options(c, a.picture);
   add_background_option(c, a.background);
-  add_schema(c, a.picture.options, {.group = "Picture", .only = {"smooth", "point_radius", "antialiasing", "shadows"}});
+  add_schema(c, a.picture.options, {.group = "Picture", .only = {"smooth", "shadows"}});
+  add_schema(c, a.picture.options, {.group = "Picture", .only = {"antialiasing"}});
+  add_schema(c, a.picture.options, {.group = "Picture", .only = {"point_radius"}});
   add_surface(c, a.of_samples, a.options.cloud, "Cast rays at this surface of the samples, without a mesh");
   add_wireframe_options(c, a.picture.options);
   add_line_options(c, a.picture);

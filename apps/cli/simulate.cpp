@@ -64,7 +64,7 @@ PicturesToDraw open_pictures(SimulateArguments& a, const SimulationPlan& plan,
   if (a.draws()) {
     RenderOptions look = a.picture.chosen();
     set_background(look, a.background);
-    if (plan.z_up) look.up = UpAxis::z;
+    if (plan.z_up) look.view.up = UpAxis::z;
     auto volume = open_carried_volume(a, console);
     if (volume && a.surface.empty()) surface.reset();
     draw.pictures.emplace(plan.rest, std::move(surface), std::move(volume), look);

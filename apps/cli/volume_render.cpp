@@ -34,10 +34,10 @@ struct VolumeRenderArguments {
 
 VolumePicturesOptions VolumeRenderArguments::chosen() const {
   VolumePicturesOptions o = options;
-  static_cast<RenderOptions&>(o.look) = picture.chosen();
-  set_background(o.look, background);
+  o.look.picture = picture.chosen();
+  set_background(o.look.picture, background);
   colors.put_into(o.look);
-  o.look.steady = frames > 0;
+  o.look.picture.view.steady = frames > 0;
   o.any_view = !picture.has_view();
   o.validate();
   return o;
@@ -56,15 +56,15 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
   require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
   VolumeModel volume = a.input.open(console);
   Progress& progress = console.progress();
-  VolumePictures pictures(volume, options, a.contents.read(options.look, console), progress);
+  VolumePictures pictures(volume, options, a.contents.read(options.look.picture, console), progress);
   std::vector<std::string> files;
   Image image;
-  for (const ViewDirection& view : turntable(pictures.look().view, std::max(1, a.frames))) {
+  for (const ViewDirection& view : turntable(pictures.look().picture.view.direction, std::max(1, a.frames))) {
     files.push_back(a.frames > 0 ? frame_name(a.output, files.size()) : a.output);
     if (files.size() > 1) console.keep_frames();
-    VolumePictureOptions look = pictures.look();
-    look.view = view;
-    image = a.picture.write(files.back(), pictures.render(view, progress), look);
+    RenderOptions made_with = pictures.look().picture;
+    made_with.view.direction = view;
+    image = a.picture.write(files.back(), pictures.render(view, progress), made_with);
   }
   progress.finish();
   console.note(volume.name(), pictures.notes());

@@ -66,9 +66,9 @@ std::optional<ColorBar> bar_of(const VolumeSurfaceArguments& a, const std::optio
 void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
                   Console& console, Json& json) {
   SurfaceRenderOptions look;
-  static_cast<RenderOptions&>(look) = a.picture.chosen();
-  set_background(look, a.background);
-  look.plain = a.quick, look.steady = a.frames > 0;
+  look.picture = a.picture.chosen();
+  set_background(look.picture, a.background);
+  look.plain = a.quick, look.picture.view.steady = a.frames > 0;
   look.validate();
   std::vector<Note> notes;
   const SurfaceInVolumePictures pictures(surface, volume, a.look, console.progress(), notes);
@@ -78,14 +78,15 @@ void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfac
     json["colors"] = {{"array", a.look.color_by}, {"lower", lower}, {"upper", upper}};
   }
   const std::optional<ColorBar> bar = bar_of(a, pictures.colors());
-  leave_room(look, bar);
+  leave_room(look.picture, bar);
   std::vector<std::string> files;
   Image written;
-  for (const ViewDirection& view : turntable(look.view, std::max(1, a.frames))) {
-    look.view = view;
+  for (const ViewDirection& view : turntable(look.picture.view.direction, std::max(1, a.frames))) {
+    look.picture.view.direction = view;
     files.push_back(a.frames > 0 ? frame_name(a.output, files.size()) : a.output);
     if (files.size() > 1) console.keep_frames();
-    written = a.picture.write(files.back(), beside_bar(pictures.render(look, console.progress()), bar, look), look);
+    written = a.picture.write(files.back(), beside_bar(pictures.render(look, console.progress()), bar, look.picture),
+                              look.picture);
   }
   const CastCounts counts = pictures.counts();
   json["rays"] = {

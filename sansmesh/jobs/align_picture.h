@@ -9,6 +9,6 @@
 namespace sansmesh::inline v1 {
 
 /// The moved surface in orange, the fixed one in gray.
-Image draw_alignment(const AlignResult& aligned, RenderOptions look, Progress& progress);
+Image draw_alignment(const AlignResult& aligned, RenderOptions picture, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -102,25 +102,25 @@ ColorBar color_by_attribute(TriangleMesh& mesh, const std::string& name,
   return bar;
 }
 
-void check_room_beside(const RenderOptions& look, int bar, std::string_view what) {
-  if (bar > 0 && look.width < bar + kLeastBesideOne)
+void check_room_beside(const RenderOptions& picture, int bar, std::string_view what) {
+  if (bar > 0 && picture.view.width < bar + kLeastBesideOne)
     throw ArgumentError(fmt::format("`width = {}` is too narrow: a picture {} high takes {} with its {}, or more",
-                                    look.width, look.height, bar + kLeastBesideOne, what));
+                                    picture.view.width, picture.view.height, bar + kLeastBesideOne, what));
 }
 
 void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar) {
   if (!bar) return;
-  const int width = value_bar_width(options.height, bar->colors, bar->title);
-  if (width > 0 && options.width < width + kLeastBesideOne)
+  const int width = value_bar_width(options.view.height, bar->colors, bar->title);
+  if (width > 0 && options.view.width < width + kLeastBesideOne)
     throw ArgumentError(
         fmt::format("`width = {}` is too narrow: the colour bar takes {} of it; `bar = false` leaves it out",
-                    options.width, width));
-  options.width -= width;
+                    options.view.width, width));
+  options.view.width -= width;
 }
 
-Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const RenderOptions& look) {
+Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const RenderOptions& picture) {
   if (!bar) return image;
-  const Image paper = paper_beside(look);
+  const Image paper = paper_beside(picture);
   return beside_value_bar(image, bar->colors, bar->title, {}, &paper, bar->ends);
 }
 

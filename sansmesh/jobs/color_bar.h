@@ -28,8 +28,8 @@ struct ColorBar {
 ColorBar curvature_bar(CurvatureQuantity quantity, double range, const std::string& unit, bool beyond);
 /// Numbers at a bar may be as wide as those of −range..range with this.
 inline constexpr double kWidestNumbers = 1.2e-100;
-/// Throws ArgumentError unless a picture with this look has room for a bar of so many pixels, which is called so.
-void check_room_beside(const RenderOptions& look, int bar, std::string_view what);
+/// Throws ArgumentError unless such a picture has room for a bar of so many pixels, which is called so.
+void check_room_beside(const RenderOptions& picture, int bar, std::string_view what);
 /// Makes room for a bar in the width of the picture. Throws ArgumentError where there is none.
 void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar);
 /// A number for each row: of vectors their length.
@@ -42,6 +42,6 @@ ColorBar color_by_attribute(TriangleMesh& mesh, const std::string& name,
 /// The colours that an attribute `confidence` has in pictures, 0..1.
 ColorBar confidence_bar();
 /// The picture with the bar, if there is one, on the background of the options that it was made with.
-Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const RenderOptions& look);
+Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const RenderOptions& picture);
 
 }  // namespace sansmesh::inline v1

@@ -33,28 +33,29 @@ TransferFunction scale_of(double range, bool both_sides) {
 
 }  // namespace
 
-void check_map_picture(const RenderOptions& look, const std::string& unit) {
-  look.validate();
-  const int scale = value_bar_width(look.height, scale_of(kWidestNumbers, true), with_unit(kDistanceTitle, unit));
-  check_room_beside(look, scale, "scale");
+void check_map_picture(const RenderOptions& picture, const std::string& unit) {
+  picture.validate();
+  const int scale =
+      value_bar_width(picture.view.height, scale_of(kWidestNumbers, true), with_unit(kDistanceTitle, unit));
+  check_room_beside(picture, scale, "scale");
 }
 
-MapPicture draw_map(const CompareResult& compared, const CompareOptions& options, const RenderOptions& look,
+MapPicture draw_map(const CompareResult& compared, const CompareOptions& options, const RenderOptions& picture,
                     const std::string& unit, Progress& progress) {
-  check_map_picture(look, unit);
+  check_map_picture(picture, unit);
   const DistanceMap& map = compared.map;
   const DistanceStatistics& s = map.statistics;
   const TransferFunction scale = scale_of(s.range, map.has_sides);
   const std::string title = with_unit(kDistanceTitle, unit);
-  MapPicture made{.image = {}, .look = look};
-  made.look.background = RenderOptions::Background::solid;
-  made.look.background_color = {0.93f, 0.94f, 0.95f};
-  made.look.shadows = made.look.ground = false;
-  made.look.width -= value_bar_width(look.height, scale, title);
+  MapPicture made{.image = {}, .made_with = picture};
+  made.made_with.look.background = PictureLook::Background::solid;
+  made.made_with.look.background_color = {0.93f, 0.94f, 0.95f};
+  made.made_with.look.shadows = made.made_with.look.ground = false;
+  made.made_with.view.width -= value_bar_width(picture.view.height, scale, title);
   std::vector<double> marks;
   if (const auto& most = options.map.within) marks = {-*most, *most};
-  const Image paper = paper_beside(made.look);
-  made.image = beside_value_bar(render_mesh(compared.mesh, made.look, progress), scale, title, marks, &paper,
+  const Image paper = paper_beside(made.made_with);
+  made.image = beside_value_bar(render_mesh(compared.mesh, made.made_with, progress), scale, title, marks, &paper,
                                 {map.has_sides && (s.lowest < -s.range), (s.highest > s.range)});
   return made;
 }

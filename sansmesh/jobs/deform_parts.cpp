@@ -74,7 +74,8 @@ std::vector<Vec3> places_of_poses(const Deformation& deformation, const Box3& be
 Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions& options,
                       const Deformation& deformation, double share, std::vector<Vec3> places, const TriangleMesh& folds,
                       Progress& progress) {
-  const RenderOptions& look = options.look;
+  RenderOptions picture = options.look.picture;
+  picture.view.steady = options.frames.has_value();
   if (options.draw_handles && deformation.has_handles()) {
     Box3 box;
     for (const Vec3& p : places) box.extend(p);
@@ -84,10 +85,10 @@ Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions&
     add_vertices(shapes, vertices);
     for (const Vec3& p : vertices) of_handles.extend(p);
     add_corners(of_handles, places);
-    surfaces.push_back(surface_in_picture(shapes, look));
+    surfaces.push_back(surface_in_picture(shapes, picture));
   }
-  if (options.draw_folds && !folds.triangles.empty()) surfaces.push_back(surface_in_picture(folds, look));
-  return render_surfaces(surfaces, places, false, options.frames.has_value(), look, progress);
+  if (options.draw_folds && !folds.triangles.empty()) surfaces.push_back(surface_in_picture(folds, picture));
+  return render_surfaces(surfaces, places, false, picture, progress);
 }
 
 }  // namespace sansmesh::inline v1

@@ -98,8 +98,8 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
     std::vector<Vec3> places = framed;
     if (places.empty()) add_vertices(moved, places);
     use(k, with_name(name, [&] {
-          return DeformedPicture{picture_of_pose({surface_in_picture(moved, options.look)}, options, deformation,
-                                                 options.share(k), std::move(places), {}, progress)};
+          return DeformedPicture{picture_of_pose({surface_in_picture(moved, options.look.picture)}, options,
+                                                 deformation, options.share(k), std::move(places), {}, progress)};
         }));
   }
   add_mesh_notes(r, mesh, name, result.notes);

@@ -150,8 +150,8 @@ class SolidPoses {
     if (aim_ != DeformAim::picture) return mesh;
     std::vector<Vec3> places = framed_;
     if (places.empty()) add_vertices(mesh, places);
-    return DeformedPicture{picture_of_pose({surface_in_picture(mesh, options_.look)}, options_, deformation_, share,
-                                           std::move(places), {}, progress_)};
+    return DeformedPicture{picture_of_pose({surface_in_picture(mesh, options_.look.picture)}, options_, deformation_,
+                                           share, std::move(places), {}, progress_)};
   }
 
   std::vector<Section> sections_of(const DeformedField& field) {
@@ -181,13 +181,13 @@ class SolidPoses {
     const auto with = [&](PictureSurface surface) {
       return picture_of_pose({std::move(surface)}, options_, deformation_, share, std::move(places), folded, progress_);
     };
-    if (!exact) return with(surface_in_picture(mesh, options_.look));
+    if (!exact) return with(surface_in_picture(mesh, options_.look.picture));
     const NearField near(field, mesh.origin);
     const SurfaceCaster caster(near, balls_of(mesh), {});
     Placement place;
     place.origin = mesh.origin;
     SurfaceRenderOptions look;
-    static_cast<RenderOptions&>(look) = options_.look;
+    look.picture = options_.look.picture;
     return with(surface_in_picture(caster, place, nullptr, look));
   }
 

@@ -75,9 +75,10 @@ class VolumePoses {
     }
     if (look_.color_title.empty()) look_.color_title = volume_.arrays.at(0);
     if (options_.any_view)
-      if (const auto view = view_of_layer(samples.bounds(), look_.up)) look_.view = *view;
-    look_.steady = options_.frames.has_value();
-    if (look_.color_bar) leave_room(look_, ColorBar{*look_.transfer, look_.color_title, {}});
+      if (const auto view = view_of_layer(samples.bounds(), look_.picture.view.up))
+        look_.picture.view.direction = *view;
+    look_.picture.view.steady = options_.frames.has_value();
+    if (look_.color_bar) leave_room(look_.picture, ColorBar{*look_.transfer, look_.color_title, {}});
     framed_ = places_of_poses(deformation_, before_, options_, true);
   }
 
@@ -136,12 +137,15 @@ class VolumePoses {
     subject.places = places;
     if (framed.empty() && torn) add_corners(deformation_.box_of(maps, before_).value_or(box), framed);
     subject.framed = framed;
-    if (options_.draw_folds && !folded.triangles.empty()) subject.surfaces.push_back(surface_in_picture(folded, look_));
+    if (options_.draw_folds && !folded.triangles.empty())
+      subject.surfaces.push_back(surface_in_picture(folded, look_.picture));
     if (options_.draw_handles && deformation_.has_handles())
-      subject.surfaces.push_back(surface_in_picture(deformation_.handle_shapes_at(share, before_.diagonal()), look_));
+      subject.surfaces.push_back(
+          surface_in_picture(deformation_.handle_shapes_at(share, before_.diagonal()), look_.picture));
     const VolumePicture picture(std::move(subject), progress_);
     VolumePictureReport report;
-    DeformedPicture made{picture.render(look_, progress_, &report), options_.look.width - look_.width};
+    DeformedPicture made{picture.render(look_, progress_, &report),
+                         options_.look.picture.view.width - look_.picture.view.width};
     if (!outside && !torn)
       report.notes.emplace_back("the outside of the volume is folded or torn: its sides are drawn a step at a time");
     add_notes(result_.notes, "picture", report.notes, volume_.name);

@@ -59,7 +59,7 @@ std::vector<Image> draw_places(const DiagnoseResult& made, RenderOptions options
     if (made.places.size() > kMostOnSheet)
       throw ArgumentError(fmt::format("{} are too many for one sheet: `separate`, or fewer `places`",
                                       counted(made.places.size(), "place")));
-    options.width = kTileWidth, options.height = kTileHeight;
+    options.view.width = kTileWidth, options.view.height = kTileHeight;
   }
   const PlacePictures views(made.diagnosis);
   std::vector<Image> pictures;

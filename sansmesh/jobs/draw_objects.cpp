@@ -86,7 +86,9 @@ class ObjectScene {
     kinds.push_back(drawn.kind);
     legend.push_back({drawn.mean_color, title});
     result_.report.objects.push_back(
-        {drawn.kind, title, drawn.look.use_colors ? kOwnColor : hex_of_color(drawn.look.surface_color), opacity});
+        {drawn.kind, title,
+         drawn.look.picture.look.use_colors ? kOwnColor : hex_of_color(drawn.look.picture.look.surface_color),
+         opacity});
   }
 
  private:
@@ -100,10 +102,10 @@ class ObjectScene {
 
   SurfaceRenderOptions look_of(std::size_t k, const std::string& color, bool has_colors) const {
     SurfaceRenderOptions look = o_.look;
-    look.use_colors = has_colors && (color == kAutoColor || color == kOwnColor);
-    if (look.use_colors) return look;
-    if (color == kAutoColor && objects_ > 1) look.surface_color = object_color(k);
-    if (const auto chosen = color_of_word(color)) look.surface_color = *chosen;
+    look.picture.look.use_colors = has_colors && (color == kAutoColor || color == kOwnColor);
+    if (look.picture.look.use_colors) return look;
+    if (color == kAutoColor && objects_ > 1) look.picture.look.surface_color = object_color(k);
+    if (const auto chosen = color_of_word(color)) look.picture.look.surface_color = *chosen;
     return look;
   }
 
@@ -116,8 +118,8 @@ class ObjectScene {
     for (const Vec3f& p : samples.empty() ? model.balls().centers : samples)
       places.push_back(model.place().to_input(Vec3(p)));
     return {ObjectKind::function, look,
-            surface_in_picture(caster, model.place(), look.use_colors ? model.colors() : nullptr, look),
-            look.surface_color};
+            surface_in_picture(caster, model.place(), look.picture.look.use_colors ? model.colors() : nullptr, look),
+            look.picture.look.surface_color};
   }
 
   Drawn mesh(PictureObject& object, std::size_t k, const std::string& color, double opacity) {
@@ -126,7 +128,7 @@ class ObjectScene {
     if (points.triangles.empty()) kind = object.lines.size() > 0 ? ObjectKind::lines : ObjectKind::points;
     if (kind == ObjectKind::points && o_.cloud.remove_outliers)
       leave_out_outliers(points, object.name, result_.notes, progress_);
-    const bool curved = objects_ == 1 && wants_curvature(o_.look), lines = kind == ObjectKind::lines;
+    const bool curved = objects_ == 1 && wants_curvature(o_.look.picture), lines = kind == ObjectKind::lines;
     if (curved && !lines) curvature = curvature_of_samples(points, o_.cloud, progress_);
     const TriangleMesh mesh = lines ? tubes_of(object.lines) : to_mesh(std::move(points));
     if (curved && lines) curvature = curvature_of_samples(tube_samples(mesh), o_.cloud, progress_);
@@ -136,12 +138,12 @@ class ObjectScene {
     if (mesh.triangles.empty() && opacity < 1) {
       PointSet cloud;
       cloud.positions = mesh.vertices;
-      apart = 4 * look.point_radius.value_or(estimate_spacing(cloud));  // the discs of one sheet
+      apart = 4 * look.picture.look.point_radius.value_or(estimate_spacing(cloud));  // the discs of one sheet
     }
     for (const Vec3f& p : mesh.vertices)
       if (is_finite(p)) places.push_back(mesh.origin + Vec3(p));
-    return {kind, look, surface_in_picture(mesh, look), look.use_colors ? mean_of(mesh.colors) : look.surface_color,
-            apart};
+    return {kind, look, surface_in_picture(mesh, look.picture),
+            look.picture.look.use_colors ? mean_of(mesh.colors) : look.picture.look.surface_color, apart};
   }
 
   const PictureOptions& o_;
@@ -161,22 +163,24 @@ void draw_objects(std::vector<PictureObject> objects, const PictureOptions& o, c
     with_name(name, [&] { scene.add(std::move(object)); });
   }
   check_kinds(scene.kinds, o);
-  RenderOptions look = o.look;
-  look.curvature = scene.curvature.get();
+  RenderOptions picture = o.look.picture;
+  picture.view.steady = o.frames.has_value();
+  picture.look.curvature = scene.curvature.get();
   // Lines alone do not have the colours of the list.
-  const bool listed = scene.legend.size() > 1 && o.legend && look.lines != RenderOptions::Lines::only;
-  const int beside = listed ? legend_width(look.height, scene.legend) : 0;
-  if (beside > 0 && look.width < beside + kLeastBesideLegend)
-    throw ArgumentError(fmt::format(
-        "`width = {}` is too narrow: the legend takes {} of it; `legend = false` leaves it out", look.width, beside));
-  look.width -= beside;
+  const bool listed = scene.legend.size() > 1 && o.legend && picture.look.lines != PictureLook::Lines::only;
+  const int beside = listed ? legend_width(picture.view.height, scene.legend) : 0;
+  if (beside > 0 && picture.view.width < beside + kLeastBesideLegend)
+    throw ArgumentError(
+        fmt::format("`width = {}` is too narrow: the legend takes {} of it; `legend = false` leaves it out",
+                    picture.view.width, beside));
+  picture.view.width -= beside;
   std::size_t number = 0;
-  for (const ViewDirection& view : turntable(look.view, o.frames.value_or(1))) {
-    look.view = view;
-    Image image = render_surfaces(scene.surfaces, scene.places, o.translucent(), o.frames.has_value(), look, progress);
-    const Image paper = paper_beside(look);
+  for (const ViewDirection& view : turntable(picture.view.direction, o.frames.value_or(1))) {
+    picture.view.direction = view;
+    Image image = render_surfaces(scene.surfaces, scene.places, o.translucent(), picture, progress);
+    const Image paper = paper_beside(picture);
     if (listed) image = beside_legend(image, scene.legend, &paper);
-    use(number++, image, look);
+    use(number++, image, picture);
   }
 }
 

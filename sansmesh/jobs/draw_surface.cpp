@@ -56,7 +56,7 @@ class SurfacePainter {
       : model_(model), colors_(colors) {
     if (o.splats) {
       const SplatPoints points = spread_splats(model, *o.splats, colors, progress);
-      splats_.emplace(points.points, points.stretches, look);
+      splats_.emplace(points.points, points.stretches, look.picture);
       return;
     }
     SurfaceCastOptions cast;
@@ -70,7 +70,7 @@ class SurfacePainter {
   }
 
   Image paint(const SurfaceRenderOptions& look, Progress& progress) const {
-    if (splats_) return splats_->render(look, look.steady, progress);
+    if (splats_) return splats_->render(look.picture, progress);
     const std::vector<Vec3f>& samples = model_.points().positions;
     return render_surface(*caster_, samples.empty() ? model_.balls().centers : samples, colors_, look, progress);
   }
@@ -103,24 +103,24 @@ SurfaceModel model_of(PictureObject& object, const PictureOptions& o, std::optio
 void paint_all(const PictureOptions& o, const SurfaceModel& model, std::optional<CurvedVertices> mesh,
                CrestsFrom crests, const UsePicture& use, RenderReport& report, Progress& progress) {
   SurfaceRenderOptions look = o.look;
-  move_from_input(look, model.place());
+  move_from_input(look.picture, model.place());
   std::optional<ColorBar> bar;
   const std::unique_ptr<ColorField> own = make_colors(o, model, std::move(mesh), bar, progress);
   if (!o.bar) bar.reset();
-  leave_room(look, bar);
-  const ColorField* const colors = own ? own.get() : look.use_colors ? model.colors() : nullptr;
+  leave_room(look.picture, bar);
+  const ColorField* const colors = own ? own.get() : look.picture.look.use_colors ? model.colors() : nullptr;
   std::unique_ptr<CurvatureField> bends;
-  if (wants_curvature(look))
+  if (wants_curvature(look.picture))
     bends =
         crests == CrestsFrom::samples ? curvature_at_samples(model, progress) : curvature_of_surface(model, progress);
-  look.curvature = bends.get();
+  look.picture.look.curvature = bends.get();
   const SurfacePainter painter(o, model, colors, look, progress);
-  look.steady = o.frames.has_value();
+  look.picture.view.steady = o.frames.has_value();
   std::size_t number = 0;
-  for (const ViewDirection& view : turntable(look.view, o.frames.value_or(1))) {
-    look.view = view;
+  for (const ViewDirection& view : turntable(look.picture.view.direction, o.frames.value_or(1))) {
+    look.picture.view.direction = view;
     const Image image = painter.paint(look, progress);
-    use(number++, beside_bar(image, bar, look), look);
+    use(number++, beside_bar(image, bar, look.picture), look.picture);
   }
   painter.report(report);
 }

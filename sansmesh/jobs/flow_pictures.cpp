@@ -102,9 +102,8 @@ class VolumeAround {
     options_.transfer = o.preset.empty() ? suggest_transfer_function(values, false).function
                                          : transfer_function_preset(o.preset, values);
   }
-  Image render(const RenderOptions& look, bool steady, std::vector<PictureSurface> surfaces, Progress& progress) {
-    static_cast<RenderOptions&>(options_) = look;
-    options_.steady = steady;
+  Image render(const RenderOptions& picture, std::vector<PictureSurface> surfaces, Progress& progress) {
+    options_.picture = picture;
     picture_->set_surfaces(std::move(surfaces));
     return picture_->render(options_, progress);
   }
@@ -125,7 +124,7 @@ class VolumeAround {
 class SurfacePictures {
  public:
   SurfacePictures(const FlowModel& flow, const FlowPictureOptions& options, Progress& progress)
-      : flow_(flow), options_(options), look_(options.look), progress_(progress) {
+      : flow_(flow), options_(options), picture_(options.picture), progress_(progress) {
     const std::optional<ArrayChoice> color = color_array(flow, options.color_by);
     if (options.in_volume())
       around_ = std::make_unique<VolumeAround>(options, *flow.volume(), flow.vectors(), result_.notes, progress);
@@ -137,38 +136,38 @@ class SurfacePictures {
     Box3 box;
     for (const FlowPoint& p : surface_.points) places_.push_back(p.position), box.extend(p.position);
     if (options.any_view)
-      if (const auto view = view_of_layer(box, look_.up)) look_.view = *view;
+      if (const auto view = view_of_layer(box, picture_.view.up)) picture_.view.direction = *view;
     color_surface(color);
     leave_room();
-    sheet_ = std::make_unique<DrawnFlow>(std::move(drawn_.subject), look_);
+    sheet_ = std::make_unique<DrawnFlow>(std::move(drawn_.subject), picture_);
   }
 
   void stand_beside(std::vector<PictureSurface> beside) {
     beside_ = std::move(beside);
     if (!options_.arrows) return;
-    RenderOptions dark = look_;
-    dark.surface_color = kArrowColor;
+    RenderOptions dark = picture_;
+    dark.look.surface_color = kArrowColor;
     beside_.push_back(surface_in_picture(arrows_on(surface_, *options_.arrows), dark));
   }
 
   Image at(int frame) {
     const double share = options_.frames ? static_cast<double>(frame) / *options_.frames : 0;
-    RenderOptions look = look_;
-    look.view.azimuth += std::remainder(options_.turn * share, 360);
+    RenderOptions picture = picture_;
+    picture.view.direction.azimuth += std::remainder(options_.turn * share, 360);
     FlowLook of_surface{.texture = std::nullopt, .opacity = options_.opacity, .splats = options_.splats};
     if (options_.textured) of_surface.texture = options_.streaks;
     if (of_surface.texture && options_.frames) of_surface.texture->phase = share;
     std::vector<PictureSurface> surfaces = beside_;
     surfaces.push_back(sheet_->surface(of_surface));
-    const bool steady = options_.turn != 0;
-    Image image = around_ ? around_->render(look, steady, std::move(surfaces), progress_)
-                          : render_surfaces(surfaces, places_, options_.opacity < 1, steady, look, progress_);
+    picture.view.steady = options_.turn != 0;
+    Image image = around_ ? around_->render(picture, std::move(surfaces), progress_)
+                          : render_surfaces(surfaces, places_, options_.opacity < 1, picture, progress_);
     if (!options_.title.empty()) draw_title(image, options_.title);
-    const Image paper = paper_beside(look);
+    const Image paper = paper_beside(picture);
     return bar_ ? beside_value_bar(image, *drawn_.colors, drawn_.title, {}, &paper) : image;
   }
 
-  const RenderOptions& look() const { return look_; }
+  const RenderOptions& picture() const { return picture_; }
   FlowPicturesResult result() { return std::move(result_); }
 
  private:
@@ -218,18 +217,19 @@ class SurfacePictures {
 
   /// For the bars, in the width of the picture.
   void leave_room() {
-    result_.width = look_.width, result_.height = look_.height;
+    result_.width = picture_.view.width, result_.height = picture_.view.height;
     bar_ = drawn_.colors && options_.bar;
-    const int bars = (bar_ ? value_bar_width(look_.height, *drawn_.colors, drawn_.title) : 0) +
-                     (around_ ? around_->bar_width(look_.height) : 0);
-    if (bars > 0 && look_.width < bars + kLeastBesideBars)
-      throw ArgumentError(fmt::format("`width = {}` is too narrow: colour bars take {} of it", look_.width, bars));
-    look_.width -= bars;
+    const int bars = (bar_ ? value_bar_width(picture_.view.height, *drawn_.colors, drawn_.title) : 0) +
+                     (around_ ? around_->bar_width(picture_.view.height) : 0);
+    if (bars > 0 && picture_.view.width < bars + kLeastBesideBars)
+      throw ArgumentError(
+          fmt::format("`width = {}` is too narrow: colour bars take {} of it", picture_.view.width, bars));
+    picture_.view.width -= bars;
   }
 
   const FlowModel& flow_;
   const FlowPictureOptions& options_;
-  RenderOptions look_;
+  RenderOptions picture_;
   Progress& progress_;
   std::unique_ptr<VolumeAround> around_;
   FlowSurface surface_;
@@ -292,7 +292,7 @@ const OptionSchema& FlowPictureOptions::schema() {
 void FlowPictureOptions::validate() const {
   trace.validate();
   validate_options(*this);
-  look.validate();
+  picture.validate();
   if (const auto known = transfer_function_presets();
       !preset.empty() && std::find(known.begin(), known.end(), preset) == known.end())
     throw ArgumentError(ArgumentFault{.field = "preset",
@@ -328,7 +328,7 @@ FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions
         throw in_flow(flow, error);
       }
     }();
-    use(static_cast<std::size_t>(k), image, pictures.look());
+    use(static_cast<std::size_t>(k), image, pictures.picture());
   }
   return pictures.result();
 }

@@ -36,14 +36,14 @@ struct FlowPictureOptions {
   double opacity_factor = 1;          ///< multiplies its opacity
   std::vector<IsoSurface> isos = {};  ///< of that array, else of the speed
 
-  bool bar = true;          ///< colour bars
-  std::string label = {};   ///< of that of the surface; default: `color_by`
-  std::string unit = {};    ///< of what is shown
-  std::string title = {};   ///< above the picture
-  RenderOptions look = {};  ///< its width is that of picture and bars together
-  bool any_view = true;     ///< nobody chose the view: that of a single layer looks straight at it
+  bool bar = true;             ///< colour bars
+  std::string label = {};      ///< of that of the surface; default: `color_by`
+  std::string unit = {};       ///< of what is shown
+  std::string title = {};      ///< above the picture
+  RenderOptions picture = {};  ///< its width is that of picture and bars together
+  bool any_view = true;        ///< nobody chose the view: that of a single layer looks straight at it
 
-  /// Without `look`.
+  /// Without `picture`.
   static const OptionSchema& schema();
   /// Throws ArgumentError for bad options, and for such as mean nothing together.
   void validate() const;

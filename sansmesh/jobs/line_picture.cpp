@@ -77,15 +77,15 @@ TriangleMesh tubes_around(const PolylineSet& lines, double radius) {
 }
 
 RenderOptions look_for(const LinePictureOptions& options, const Box3& box) {
-  RenderOptions look = options.look;
-  look.shadows = look.ground = false;
+  RenderOptions picture = options.picture;
+  picture.look.shadows = picture.look.ground = false;
   if (options.any_background) {
-    look.background = RenderOptions::Background::solid;
-    look.background_color = {0.93f, 0.94f, 0.95f};
+    picture.look.background = PictureLook::Background::solid;
+    picture.look.background_color = {0.93f, 0.94f, 0.95f};
   }
   if (options.any_view)
-    if (const auto view = view_of_layer(box, look.up)) look.view = *view;
-  return look;
+    if (const auto view = view_of_layer(box, picture.view.up)) picture.view.direction = *view;
+  return picture;
 }
 
 }  // namespace
@@ -107,12 +107,12 @@ const OptionSchema& LinePictureOptions::schema() {
 
 void LinePictureOptions::validate(const std::string& usual) const {
   validate_options(*this);
-  look.validate();
+  picture.validate();
   ValueHistogram widest;  // no numbers are wider than those of such a range
   widest.lower = -kWidestNumbers, widest.upper = kWidestNumbers;
-  const int bar = value_bar_width(look.height, transfer_function_preset("diverging", widest),
+  const int bar = value_bar_width(picture.view.height, transfer_function_preset("diverging", widest),
                                   with_unit((color_by.empty() ? usual : color_by) + kMagnitude, unit));
-  check_room_beside(look, bar, "colour bar");
+  check_room_beside(picture, bar, "colour bar");
 }
 
 void LinePictureOptions::check_color(const std::vector<std::string>& arrays) const {
@@ -149,17 +149,17 @@ LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& opt
     mesh.colors[v] = {to_byte(c.x), to_byte(c.y), to_byte(c.z)};
   });
 
-  RenderOptions look = look_for(options, box);
+  RenderOptions picture = look_for(options, box);
   const std::string title = with_unit(drawn.color_by + (array->components > 1 ? kMagnitude : ""), options.unit);
-  look.width -= value_bar_width(look.height, colors, title);
+  picture.view.width -= value_bar_width(picture.view.height, colors, title);
   BarEnds ends;
   for (const std::uint32_t p : points) {
     ends.below = ends.below || values[p] < drawn.lower;
     ends.above = ends.above || values[p] > drawn.upper;
   }
-  const Image paper = paper_beside(look);
-  drawn.image = beside_value_bar(render_mesh(mesh, look, progress), colors, title, {}, &paper, ends);
-  drawn.look = look;
+  const Image paper = paper_beside(picture);
+  drawn.image = beside_value_bar(render_mesh(mesh, picture, progress), colors, title, {}, &paper, ends);
+  drawn.made_with = picture;
   return drawn;
 }
 

@@ -19,11 +19,11 @@ struct LinePictureOptions {
   std::string unit = {};                   ///< of that, at the scale
   std::optional<double> tube_radius = {};  ///< length; default: 1/400 of the lines' diagonal
   /// Its width is that of tubes and scale together. Shadows and ground mean nothing: colours are to be read.
-  RenderOptions look = {};
+  RenderOptions picture = {};
   bool any_view = true;        ///< nobody chose the view: that of a single layer looks straight at it
   bool any_background = true;  ///< nobody chose the background: it is light gray
 
-  /// Without `look`.
+  /// Without `picture`.
   static const OptionSchema& schema();
   /// Throws ArgumentError for bad options, and where the picture is too narrow for its scale. `usual`: what colours are
   /// by if nothing is said.
@@ -34,8 +34,8 @@ struct LinePictureOptions {
 
 struct LinePicture {
   Image image;
-  RenderOptions look;    ///< with which it was made
-  std::string color_by;  ///< the array
+  RenderOptions made_with;  ///< with which it was made
+  std::string color_by;     ///< the array
   double lower = 0, upper = 0, radius = 0;
   std::size_t triangles = 0;
 };

@@ -99,7 +99,7 @@ MotionPictures::MotionPictures(std::shared_ptr<const TetMesh> rest, std::shared_
     : rest_(std::move(rest)), surface_(std::move(surface)), volume_(std::move(volume)), options_(options) {
   options_.validate();
   if (!volume_) return;
-  static_cast<RenderOptions&>(volume_->look) = options_;
+  volume_->look.picture = options_;
   volume_->look.validate();
   boundary_ = boundary_mesh(*rest_, rest_->vertices, &sources_);
   if (reaches_beyond(bounds(*rest_), volume_->field->bounds()))
@@ -138,19 +138,19 @@ void MotionPictures::show(Motion motion, const DynamicsScene& scene) {
   }
   framed_ = farthest.points();
   if (scene.floors.empty()) return;
-  options_.ground = false;
-  if (volume_) volume_->look.ground = false;
+  options_.look.ground = false;
+  if (volume_) volume_->look.picture.look.ground = false;
 }
 
 Image MotionPictures::draw(std::size_t frame, Progress& progress) {
   std::vector<PictureSurface> surfaces;
   RenderOptions colored = options_;
-  colored.use_colors = true;
-  colored.wireframe = RenderOptions::Wireframe::none;
+  colored.look.use_colors = true;
+  colored.look.wireframe = PictureLook::Wireframe::none;
   surfaces.reserve(obstacles_.size() + 1);
   for (const TriangleMesh& m : obstacles_) surfaces.push_back(surface_in_picture(m, colored));
   if (surface_) surfaces.push_back(surface_in_picture(surface_->at(motion_, frame), options_));
-  if (!volume_) return render_surfaces(surfaces, framed_, false, false, options_, progress);
+  if (!volume_) return render_surfaces(surfaces, framed_, false, options_, progress);
   const std::vector<Vec3> x = motion_.positions(frame);
   Box3 box;
   for (const Vec3& p : x) box.extend(p);

@@ -29,9 +29,9 @@ void check_meshless(const PictureOptions& o, bool function, bool meshless) {
   if (function && o.cloud.remove_outliers)
     throw ArgumentError("`remove_outliers` is for samples: the input is a function");
   if (meshless)
-    refuse({{"smooth = false", !s.smooth},
-            {"point_radius", s.point_radius.has_value()},
-            {"wireframe", s.wireframe != RenderOptions::Wireframe::none}},
+    refuse({{"smooth = false", !s.picture.look.smooth},
+            {"point_radius", s.picture.look.point_radius.has_value()},
+            {"wireframe", s.picture.look.wireframe != PictureLook::Wireframe::none}},
            "is for meshes and points, not for surfaces without a mesh");
   else
     refuse({{"quick", s.plain},
@@ -79,8 +79,9 @@ void check_objects(const std::vector<PictureObject>& objects, const PictureOptio
   if (objects.size() == 1)
     refuse({{"name", !o.names.empty()}}, "is for the list of several objects: there is one");
   else  // each would have a curvature of its own
-    refuse({{"line_strength", o.look.line_strength != RenderOptions().line_strength},
-            {"bend_light", o.look.bend_light != RenderOptions().bend_light && o.look.bend_light != 0}},
+    refuse({{"line_strength", o.look.picture.look.line_strength != RenderOptions().look.line_strength},
+            {"bend_light",
+             o.look.picture.look.bend_light != RenderOptions().look.bend_light && o.look.picture.look.bend_light != 0}},
            "is about curvature, which pictures of several objects do not show: draw one");
 }
 
@@ -90,11 +91,13 @@ void check_kinds(const std::vector<ObjectKind>& kinds, const PictureOptions& o) 
                         [&](ObjectKind k) { return std::find(those.begin(), those.end(), k) != those.end(); });
   };
   if (none({ObjectKind::mesh, ObjectKind::lines}))
-    refuse({{"smooth = false", !o.look.smooth}, {"wireframe", o.look.wireframe != RenderOptions::Wireframe::none}},
+    refuse({{"smooth = false", !o.look.picture.look.smooth},
+            {"wireframe", o.look.picture.look.wireframe != PictureLook::Wireframe::none}},
            "is for meshes: there are no triangles");
   if (none({ObjectKind::points}))
-    refuse({{"point_radius", o.look.point_radius.has_value()}, {"remove_outliers", o.cloud.remove_outliers}},
-           "is for points: there are none but vertices of triangles");
+    refuse(
+        {{"point_radius", o.look.picture.look.point_radius.has_value()}, {"remove_outliers", o.cloud.remove_outliers}},
+        "is for points: there are none but vertices of triangles");
 }
 
 }  // namespace sansmesh::inline v1

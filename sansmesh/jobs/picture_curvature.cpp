@@ -35,7 +35,7 @@ class ModelCurvature final : public CurvatureField {
 }  // namespace
 
 bool wants_curvature(const RenderOptions& options) {
-  return options.lines != RenderOptions::Lines::none || (options.accessibility && options.bend_light > 0);
+  return options.look.lines != PictureLook::Lines::none || (options.look.accessibility && options.look.bend_light > 0);
 }
 
 std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, Progress& progress) {

@@ -43,11 +43,11 @@ void check_color_words(const std::vector<std::string>& words) {
 
 /// In pictures of lines alone only the lines have light and colour.
 void check_lines_alone(const PictureOptions& o) {
-  if (o.look.lines != RenderOptions::Lines::only) return;
+  if (o.look.picture.look.lines != PictureLook::Lines::only) return;
   refuse({{"color", !o.colors.empty()},
           {"color_by", !o.color_by.empty()},
           {"name", !o.names.empty()},
-          {"wireframe", o.look.wireframe != RenderOptions::Wireframe::none},
+          {"wireframe", o.look.picture.look.wireframe != PictureLook::Wireframe::none},
           {"reflection", o.look.reflection != 0},
           {"transmission", o.look.transmission != 0},
           {"exact_shadows", o.look.exact_shadows}},
@@ -58,8 +58,8 @@ void check_translucent(const PictureOptions& o) {
   if (!o.translucent()) return;
   if (o.surface) throw ArgumentError("`opacity` is for meshes, points and functions: not with `surface`");
   if (!o.color_by.empty()) throw ArgumentError("`color_by` does not go with `opacity`");
-  refuse({{"lines", o.look.lines != RenderOptions::Lines::none},
-          {"accessibility", o.look.accessibility.has_value()},
+  refuse({{"lines", o.look.picture.look.lines != PictureLook::Lines::none},
+          {"accessibility", o.look.picture.look.accessibility.has_value()},
           {"quick", o.look.plain},
           {"exact_shadows", o.look.exact_shadows}},
          "is for what is opaque: it does not go with `opacity` below 1");
@@ -67,11 +67,13 @@ void check_translucent(const PictureOptions& o) {
 
 void check_splats_and_rays(const PictureOptions& o) {
   const SurfaceRenderOptions& s = o.look;
-  if (s.plain && s.accessibility) throw ArgumentError("`quick` casts no rays around places, as `accessibility` does");
+  if (s.plain && s.picture.look.accessibility)
+    throw ArgumentError("`quick` casts no rays around places, as `accessibility` does");
   if (s.plain)
-    refuse(
-        {{"antialiasing", s.samples != RenderOptions().samples && s.samples != 1}, {"exact_shadows", s.exact_shadows}},
-        "does not go with `quick`, which has one ray per pixel and no shadows");
+    refuse({{"antialiasing",
+             s.picture.quality.samples != RenderOptions().quality.samples && s.picture.quality.samples != 1},
+            {"exact_shadows", s.exact_shadows}},
+           "does not go with `quick`, which has one ray per pixel and no shadows");
   if (o.splats)
     refuse({{"opacity", o.translucent()},
             {"reflection", s.reflection != 0},

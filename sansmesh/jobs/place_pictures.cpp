@@ -143,13 +143,13 @@ Image PlacePictures::of(const SuspiciousPlace& place, const std::string& text, R
   }
   TriangleMesh part = mesh;
   keep_triangles(part, keep);
-  options.ground = false;
-  options.view = view_from(view.direction, options.up);
-  options.orthographic = true;
-  options.look_at = place.position;
-  options.look_radius = seen;
-  options.zoom = 1;
-  options.clip_box.reset();
+  options.look.ground = false;
+  options.view.direction = view_from(view.direction, options.view.up);
+  options.view.orthographic = true;
+  options.view.look_at = place.position;
+  options.view.look_radius = seen;
+  options.view.zoom = 1;
+  options.view.clip_box.reset();
   Image image = render_mesh(part, options, progress);
   draw_ring(image, 0.5 * (1 - kPictureMargin) * std::min(image.width, image.height) * place.radius / seen);
   draw_text(image, cut ? text + " (hidden: cut open)" : text);

@@ -27,21 +27,23 @@ constexpr std::size_t kFewestOfSurface = 30;
 /// Puts together what follows from several options.
 PictureOptions completed(PictureOptions o, std::size_t objects) {
   if (o.splats && o.look.plain) {
-    o.look.shadows = o.look.ground = false;
-    o.look.occlusion_rays = 0;
-    o.look.samples = 1;
+    o.look.picture.look.shadows = o.look.picture.look.ground = false;
+    o.look.picture.quality.occlusion_rays = 0;
+    o.look.picture.quality.samples = 1;
   }
   if (objects == 1 && !o.colors.empty())
-    if (const auto color = color_of_word(o.colors[0])) o.look.surface_color = *color, o.look.use_colors = false;
+    if (const auto color = color_of_word(o.colors[0]))
+      o.look.picture.look.surface_color = *color, o.look.picture.look.use_colors = false;
   return o;
 }
 
 /// Discs around samples have rims, which lines would show: lines of a cloud are those of a surface.
 bool lines_may_need_surface(const std::vector<PictureObject>& objects, const PictureOptions& o) {
-  return o.look.lines != RenderOptions::Lines::none && objects.size() == 1 && !is_of_lines(objects, o) &&
-         !o.translucent() && o.color_by.empty() && !o.look.point_radius &&
-         o.look.wireframe == RenderOptions::Wireframe::none && o.look.smooth && !is_meshless(objects, o) &&
-         objects[0].points.triangles.empty() && objects[0].points.size() >= kFewestOfSurface;
+  return o.look.picture.look.lines != PictureLook::Lines::none && objects.size() == 1 && !is_of_lines(objects, o) &&
+         !o.translucent() && o.color_by.empty() && !o.look.picture.look.point_radius &&
+         o.look.picture.look.wireframe == PictureLook::Wireframe::none && o.look.picture.look.smooth &&
+         !is_meshless(objects, o) && objects[0].points.triangles.empty() &&
+         objects[0].points.size() >= kFewestOfSurface;
 }
 
 /// False for points that make no surface: their discs have silhouettes all the same.
@@ -71,7 +73,7 @@ void color_by_confidence(TriangleMesh& mesh) {
 }
 
 /// By `color_by`, if there is one.
-std::optional<ColorBar> color_mesh(TriangleMesh& mesh, const PictureOptions& o, RenderOptions& look) {
+std::optional<ColorBar> color_mesh(TriangleMesh& mesh, const PictureOptions& o, RenderOptions& picture) {
   if (o.color_by.empty()) return std::nullopt;
   if (o.color_by == kConfidence) {
     color_by_confidence(mesh);
@@ -79,7 +81,7 @@ std::optional<ColorBar> color_mesh(TriangleMesh& mesh, const PictureOptions& o, 
   }
   if (is_curvature(o.color_by) && !mesh.attributes.find(o.color_by))
     throw ArgumentError("`color_by` of curvatures needs `surface`, or a file that has them as attributes");
-  look.shadows = look.ground = false;  // colours are to be read
+  picture.look.shadows = picture.look.ground = false;  // colours are to be read
   return color_by_attribute(mesh, o.color_by, o.color_range, o.unit);
 }
 
@@ -89,15 +91,15 @@ void draw_mesh(PictureObject object, const PictureOptions& o, const UsePicture& 
   check_kinds({points.triangles.empty() ? ObjectKind::points : ObjectKind::mesh}, o);
   with_name(object.name, [&] {
     if (o.cloud.remove_outliers) leave_out_outliers(points, object.name, result.notes, progress);
-    RenderOptions look = o.look;
-    const auto curvature = wants_curvature(look) ? curvature_of_samples(points, o.cloud, progress) : nullptr;
-    look.curvature = curvature.get();
+    RenderOptions picture = o.look.picture;
+    const auto curvature = wants_curvature(picture) ? curvature_of_samples(points, o.cloud, progress) : nullptr;
+    picture.look.curvature = curvature.get();
     TriangleMesh mesh = to_mesh(std::move(points));
-    std::optional<ColorBar> bar = color_mesh(mesh, o, look);
+    std::optional<ColorBar> bar = color_mesh(mesh, o, picture);
     if (!o.bar) bar.reset();
-    leave_room(look, bar);
-    const Image image = render_mesh(mesh, look, progress);
-    use(0, beside_bar(image, bar, look), look);
+    leave_room(picture, bar);
+    const Image image = render_mesh(mesh, picture, progress);
+    use(0, beside_bar(image, bar, picture), picture);
   });
 }
 

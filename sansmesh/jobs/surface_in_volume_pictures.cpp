@@ -124,7 +124,7 @@ Image SurfaceInVolumePictures::render(const SurfaceRenderOptions& options, Progr
   options.validate();
   const State& s = *state_;
   SurfaceRenderOptions own = options;
-  move_from_input(own, s.surface->place());
+  move_from_input(own.picture, s.surface->place());
   return render_surface(*s.caster, s.surface->balls().centers, s.colors.get(), own, progress);
 }
 

@@ -9,7 +9,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Takes a picture as it is made, from frame 0 on; `look` is what it was made with.
-using UsePicture = std::function<void(std::size_t frame, const Image& image, const RenderOptions& look)>;
+/// Takes a picture as it is made, from frame 0 on; `made_with` are its options.
+using UsePicture = std::function<void(std::size_t frame, const Image& image, const RenderOptions& made_with)>;
 
 }  // namespace sansmesh::inline v1

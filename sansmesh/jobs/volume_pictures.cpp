@@ -18,11 +18,12 @@ namespace {
 /// The outer edges of the grid's cells, about a pixel and a half wide; thinner where cells are small.
 PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& options) {
   RenderOptions own = options;
-  own.surface_color = options.wire_color;
+  own.look.surface_color = options.look.wire_color;
   TubeOptions tube;
   tube.sides = 5;
-  const double seen = options.look_radius ? 2 * *options.look_radius : samples.bounds().diagonal() / options.zoom;
-  tube.radius = 0.75 * seen / std::min(options.width, options.height);
+  const double seen =
+      options.view.look_radius ? 2 * *options.view.look_radius : samples.bounds().diagonal() / options.view.zoom;
+  tube.radius = 0.75 * seen / std::min(options.view.width, options.view.height);
   // Lines that leave nothing between them would hide the volume: they may cover a share of its sides, about those of
   // its box.
   constexpr double kCovered = 0.3;
@@ -85,7 +86,7 @@ VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOp
   s.look = options.look;
   VolumePictureOptions& look = s.look;
   look.color_bar = options.bar;
-  if (options.baked) look.samples = 1, look.step = 1.5, look.least_light = 0.01;
+  if (options.baked) look.picture.quality.samples = 1, look.step = 1.5, look.least_light = 0.01;
   s.samples = volume.samples(progress);
   s.field = volume.field(volume.as_scalar(volume.choice()), progress, s.notes);
   if (!options.opacity_by.empty())
@@ -108,13 +109,13 @@ VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOp
     }
   }
   if (options.any_view)
-    if (const auto view = view_of_layer(s.samples->bounds(), look.up)) look.view = *view;
+    if (const auto view = view_of_layer(s.samples->bounds(), look.picture.view.up)) look.picture.view.direction = *view;
   subject.surfaces = std::move(surfaces);
-  if (options.grid) subject.surfaces.push_back(grid_lines(*s.samples, look));
+  if (options.grid) subject.surfaces.push_back(grid_lines(*s.samples, look.picture));
   if (look.color_title.empty()) look.color_title = volume.array_name() + (volume.is_vector() ? " (magnitude)" : "");
   if (!options.unit.empty()) look.color_title += " [" + options.unit + "]";
   s.picture = with_name(volume.name(), [&] { return std::make_unique<VolumePicture>(std::move(subject), progress); });
-  if (look.color_bar) leave_room(look, ColorBar{s.picture->transfer(look), look.color_title, {}});
+  if (look.color_bar) leave_room(look.picture, ColorBar{s.picture->transfer(look), look.color_title, {}});
 }
 
 VolumePictures::~VolumePictures() = default;
@@ -124,7 +125,7 @@ const VolumePictureOptions& VolumePictures::look() const { return state_->look; 
 
 Image VolumePictures::render(const ViewDirection& view, Progress& progress) {
   VolumePictureOptions look = state_->look;
-  look.view = view;
+  look.picture.view.direction = view;
   return with_name(state_->name, [&] { return state_->picture->render(look, progress, &state_->report); });
 }
 

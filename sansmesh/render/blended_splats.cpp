@@ -94,7 +94,7 @@ EllipticSplats splats_at_points(const PointSet& points, std::span<const SplatStr
   if (!stretches.empty() && stretches.size() != points.size())
     throw ArgumentError("splats_at_points: as many stretches as points are needed");
   if (!points.has_normals()) throw DataError("splats need normals");
-  const bool colored = options.use_colors && points.has_colors();
+  const bool colored = options.look.use_colors && points.has_colors();
   EllipticSplats splats;
   std::vector<std::uint32_t> rows;
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -103,7 +103,7 @@ EllipticSplats splats_at_points(const PointSet& points, std::span<const SplatStr
     rows.push_back(static_cast<std::uint32_t>(i));
     splats.centers.push_back(frame.to_picture(points.origin + Vec3(points.positions[i])));
     splats.normals.push_back(normal);
-    Vec3f color = options.surface_color;
+    Vec3f color = options.look.surface_color;
     if (colored)
       color = {from_byte(points.colors[i][0]), from_byte(points.colors[i][1]), from_byte(points.colors[i][2])};
     splats.colors.push_back(linear_color(color));
@@ -139,8 +139,8 @@ BlendedScene::BlendedScene(const SplatLayers& layers, const RayScene& discs, con
     : layers_(layers), discs_(discs), camera_(camera), options_(options) {}
 
 void BlendedScene::closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const {
-  const auto width = static_cast<float>(options_.width), height = static_cast<float>(options_.height);
-  const auto n = static_cast<float>(options_.samples);
+  const auto width = static_cast<float>(options_.view.width), height = static_cast<float>(options_.view.height);
+  const auto n = static_cast<float>(options_.quality.samples);
   const float part = 1 / (n * n);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     points[i].reset();
@@ -195,15 +195,16 @@ SplatPicture::SplatPicture(const PointSet& points, std::span<const SplatStretch>
 SplatPicture::~SplatPicture() = default;
 std::size_t SplatPicture::size() const { return state_->splats.centers.size(); }
 
-Image SplatPicture::render(const RenderOptions& options, bool steady, Progress& progress) const {
+Image SplatPicture::render(const RenderOptions& options, Progress& progress) const {
   options.validate();
   const State& s = *state_;
-  const Camera camera = picture_camera(s.splats.centers, s.frame, steady, options);
+  const Camera camera = picture_camera(s.splats.centers, s.frame, options);
   progress.begin("splats");
   SplatRasterOptions how;
-  how.width = options.width, how.height = options.height, how.rim = kSmooth;
-  if (options.clip_box)
-    how.clip = Box3f{s.frame.to_picture(options.clip_box->lower), s.frame.to_picture(options.clip_box->upper)};
+  how.width = options.view.width, how.height = options.view.height, how.rim = kSmooth;
+  if (options.view.clip_box)
+    how.clip =
+        Box3f{s.frame.to_picture(options.view.clip_box->lower), s.frame.to_picture(options.view.clip_box->upper)};
   const SplatLayers layers(s.splats, camera, how);
   const BlendedScene scene(layers, s.discs, camera, options);
   return paint_scene(scene, camera, s.frame, options, true, s.splats.centers, 0, progress);

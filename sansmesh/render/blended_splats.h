@@ -56,9 +56,8 @@ class SplatPicture {
   SplatPicture& operator=(const SplatPicture&) = delete;
 
   std::size_t size() const;
-  /// Lit as render_mesh() does; does not depend on the number of threads. `steady`: the view does not zoom with the
-  /// direction. Throws ArgumentError for bad options.
-  Image render(const RenderOptions& options, bool steady, Progress& progress) const;
+  /// Lit as render_mesh() does; does not depend on the number of threads. Throws ArgumentError for bad options.
+  Image render(const RenderOptions& options, Progress& progress) const;
 
  private:
   struct State;

@@ -39,9 +39,9 @@ class CrestInk {
   CrestInk(const PictureScene& scene, const Camera& camera, const PictureFrame& frame, const RenderOptions& options)
       : camera_(camera),
         options_(options),
-        step_(2 * camera.half_height / static_cast<float>(options.height)),
-        map_(options.width, options.height) {
-    parallel_for(0, static_cast<std::size_t>(options.height), 4,
+        step_(2 * camera.half_height / static_cast<float>(options.view.height)),
+        map_(options.view.width, options.view.height) {
+    parallel_for(0, static_cast<std::size_t>(options.view.height), 4,
                  [&](std::size_t row) { look(scene, frame, static_cast<int>(row)); });
   }
 
@@ -84,9 +84,9 @@ class CrestInk {
       normals.push_back(t.normal);
       columns.push_back(x);
     }
-    if (options_.curvature == nullptr || places.empty()) return;
+    if (options_.look.curvature == nullptr || places.empty()) return;
     std::vector<SurfaceBend> bends(places.size());
-    options_.curvature->evaluate(places, normals, bends);
+    options_.look.curvature->evaluate(places, normals, bends);
     const auto size = static_cast<float>(frame.size);
     for (std::size_t k = 0; k < bends.size(); ++k) {
       SurfaceBend& b = map_.at(columns[k], y).bend;
@@ -134,12 +134,12 @@ class CrestInk {
   }
 
   float line(float away) const {
-    return std::clamp(0.5f * static_cast<float>(options_.line_width) + 0.5f - std::abs(away), 0.0f, 1.0f);
+    return std::clamp(0.5f * static_cast<float>(options_.look.line_width) + 0.5f - std::abs(away), 0.0f, 1.0f);
   }
 
   template <class Value>
   float crest(int x, int y, const Texel& here, float height, const Vec3f& along, const Value& value) const {
-    const auto least = static_cast<float>(options_.line_strength);
+    const auto least = static_cast<float>(options_.look.line_strength);
     const float strength = std::clamp((height / least - 1) / (kFullStrength - 1), 0.0f, 1.0f);
     if (!(strength > 0)) return 0;
     // How the direction is seen: by a short way along it.
@@ -171,9 +171,9 @@ class CrestInk {
 PixelMap<float> crest_ink(const PictureScene& scene, const Camera& camera, const PictureFrame& frame,
                           const RenderOptions& options) {
   const CrestInk crests(scene, camera, frame, options);
-  PixelMap<float> ink(options.width, options.height);
-  parallel_for(0, static_cast<std::size_t>(options.height), 4, [&](std::size_t y) {
-    for (int x = 0; x < options.width; ++x) ink.at(x, static_cast<int>(y)) = crests.at(x, static_cast<int>(y));
+  PixelMap<float> ink(options.view.width, options.view.height);
+  parallel_for(0, static_cast<std::size_t>(options.view.height), 4, [&](std::size_t y) {
+    for (int x = 0; x < options.view.width; ++x) ink.at(x, static_cast<int>(y)) = crests.at(x, static_cast<int>(y));
   });
   return ink;
 }

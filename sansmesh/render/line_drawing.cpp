@@ -35,11 +35,11 @@ class EdgeInk {
   EdgeInk(const PictureScene& scene, const Camera& camera, const RenderOptions& options)
       : scene_(scene),
         camera_(camera),
-        n_(options.samples),
-        radius_(std::max(0.5f, 0.5f * static_cast<float>(options.line_width * n_))),
+        n_(options.quality.samples),
+        radius_(std::max(0.5f, 0.5f * static_cast<float>(options.look.line_width * n_))),
         reach_(static_cast<int>(std::ceil(radius_)) + 1),
-        across_(2 / static_cast<float>(options.width * n_)),
-        down_(2 / static_cast<float>(options.height * n_)),
+        across_(2 / static_cast<float>(options.view.width * n_)),
+        down_(2 / static_cast<float>(options.view.height * n_)),
         step_(camera.half_height * down_) {}
 
   void paint(int left, int top, int right, int bottom, PixelMap<float>& ink) const {
@@ -138,7 +138,7 @@ class EdgeInk {
 
 PixelMap<float> line_ink(const PictureScene& scene, const Camera& camera, const PictureFrame& frame,
                          const RenderOptions& options, Progress& progress) {
-  PixelMap<float> ink(options.width, options.height);
+  PixelMap<float> ink(options.view.width, options.view.height);
   const EdgeInk edges(scene, camera, options);
   const int across = (ink.width + kLineTile - 1) / kLineTile, down = (ink.height + kLineTile - 1) / kLineTile;
   const auto tiles = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);

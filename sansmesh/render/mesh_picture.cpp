@@ -13,7 +13,7 @@ Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options, Progre
   const float radius = subject.radius;
   const float below = subject.mesh.normals.empty() ? radius : 0;  // balls reach below the lowest point, discs hardly
   const PictureFrame frame = subject.frame;
-  const Camera camera = picture_camera(subject.mesh.vertices, frame, false, options, radius);
+  const Camera camera = picture_camera(subject.mesh.vertices, frame, options, radius);
   const MeshScene scene(std::move(subject), options, camera);
   return paint_scene(scene, camera, frame, options, true, scene.points(), below, progress);
 }

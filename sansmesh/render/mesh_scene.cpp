@@ -75,7 +75,7 @@ Subject placed_subject(const TriangleMesh& mesh, std::span<const Vec3f> vectors,
   if (!own.triangles.empty() && !(size > 0)) throw DataError("nothing to draw: all vertices are in one place");
 
   if (own.triangles.empty()) {
-    double radius = options.point_radius.value_or(0);
+    double radius = options.look.point_radius.value_or(0);
     if (!(radius > 0)) {
       PointSet cloud;
       cloud.positions = own.vertices;
@@ -121,14 +121,14 @@ MeshScene::MeshScene(Subject subject, const RenderOptions& options, const Camera
     : subject_(std::move(subject)),
       rays_(make_rays(subject_, camera.backward)),
       linear_(256),
-      only_wires_(options.wireframe == RenderOptions::Wireframe::only),
-      color_(linear_color(options.surface_color)),
-      wire_color_(linear_color(options.wire_color)) {
+      only_wires_(options.look.wireframe == PictureLook::Wireframe::only),
+      color_(linear_color(options.look.surface_color)),
+      wire_color_(linear_color(options.look.wire_color)) {
   TriangleMesh& mesh = subject_.mesh;
-  if (options.smooth && !mesh.triangles.empty()) corner_normals_ = corner_normals(mesh);
-  if (!options.use_colors) mesh.colors.clear();
-  if (options.wireframe != RenderOptions::Wireframe::none && !mesh.triangles.empty())
-    wires_ = MeshWires(mesh, camera, options.height, options.samples, options.wire_width);
+  if (options.look.smooth && !mesh.triangles.empty()) corner_normals_ = corner_normals(mesh);
+  if (!options.look.use_colors) mesh.colors.clear();
+  if (options.look.wireframe != PictureLook::Wireframe::none && !mesh.triangles.empty())
+    wires_ = MeshWires(mesh, camera, options.view.height, options.quality.samples, options.look.wire_width);
   for (int i = 0; i < 256; ++i) {
     const float c = from_byte(static_cast<std::uint8_t>(i));
     linear_[static_cast<std::size_t>(i)] = linear_color({c, c, c}).x;

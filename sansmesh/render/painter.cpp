@@ -91,38 +91,40 @@ std::vector<Vec3f> shown_corners(std::span<const Vec3f> points, const PictureFra
 
 /// What lines alone are drawn on.
 Image paper(const RenderOptions& options) {
-  using Background = RenderOptions::Background;
-  if (options.background == Background::transparent) return Image(options.width, options.height, {0, 0, 0, 0});
-  const Vec3f c = options.background == Background::solid ? options.background_color : Vec3f{1, 1, 1};
-  return Image(options.width, options.height, {c.x, c.y, c.z, 1});
+  using Background = PictureLook::Background;
+  if (options.look.background == Background::transparent)
+    return Image(options.view.width, options.view.height, {0, 0, 0, 0});
+  const Vec3f c = options.look.background == Background::solid ? options.look.background_color : Vec3f{1, 1, 1};
+  return Image(options.view.width, options.view.height, {c.x, c.y, c.z, 1});
 }
 
 }  // namespace
 
-Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, bool steady,
-                      const RenderOptions& options, float radius) {
-  const double aspect = static_cast<double>(options.width) / options.height;
+Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, const RenderOptions& options,
+                      float radius) {
+  const bool steady = options.view.steady;
+  const double aspect = static_cast<double>(options.view.width) / options.view.height;
   std::vector<Vec3f> corners;
-  if (options.clip_box) {
-    corners = shown_corners(points, frame, *options.clip_box);
+  if (options.view.clip_box) {
+    corners = shown_corners(points, frame, *options.view.clip_box);
     points = corners;
   }
   const Vec3f middle = corners.empty() ? Vec3f{} : (corners.front() + corners.back()) * 0.5f;
   double reach = radius;
   if (steady)
     for (const Vec3f& p : points) reach = std::max(reach, static_cast<double>(norm(p - middle)));
-  Camera camera = frame_camera(steady ? std::span(&middle, 1) : points, options.view, options.up, options.field_of_view,
-                               aspect, kPictureMargin, reach, options.orthographic);
-  double factor = options.zoom;
-  if (options.look_at) {
-    const Vec3f place = frame.to_picture(*options.look_at);
+  Camera camera = frame_camera(steady ? std::span(&middle, 1) : points, options.view.direction, options.view.up,
+                               options.view.field_of_view, aspect, kPictureMargin, reach, options.view.orthographic);
+  double factor = options.view.zoom;
+  if (options.view.look_at) {
+    const Vec3f place = frame.to_picture(*options.view.look_at);
     // Rays that begin farther away lead nowhere in float.
     if (!(norm(place - middle) <= kFarthestLook))
       throw ArgumentError("`look_at` lies too far away from everything that could be seen");
     look_at(camera, place);
-    if (options.look_radius)
-      factor = zoom_on_ball(camera, static_cast<double>(camera.seen(place).depth), *options.look_radius / frame.size,
-                            kPictureMargin);
+    if (options.view.look_radius)
+      factor = zoom_on_ball(camera, static_cast<double>(camera.seen(place).depth),
+                            *options.view.look_radius / frame.size, kPictureMargin);
   }
   if (!(factor >= 1 / kMostZoom && factor <= kMostZoom))
     throw ArgumentError(
@@ -137,25 +139,26 @@ Image paint_scene(const PictureScene& scene, const Camera& camera, const Picture
                   Progress& progress) {
   std::optional<ClippedScene> part;
   std::vector<Vec3f> corners;
-  if (options.clip_box) {
-    part.emplace(scene, box_in_picture(*options.clip_box, frame));
-    corners = shown_corners(points, frame, *options.clip_box);
+  if (options.view.clip_box) {
+    part.emplace(scene, box_in_picture(*options.view.clip_box, frame));
+    corners = shown_corners(points, frame, *options.view.clip_box);
     points = corners;
   }
   const PictureScene& shown = part ? static_cast<const PictureScene&>(*part) : scene;
-  using Lines = RenderOptions::Lines;
+  using Lines = PictureLook::Lines;
   Image image;
-  if (options.lines == Lines::only) {
+  if (options.look.lines == Lines::only) {
     image = paper(options);
   } else {
     Painter painter(shown, camera, options, smooth_light);
     painter.set_frame(frame);
-    if (options.ground) painter.add_ground(points, below);
+    if (options.look.ground) painter.add_ground(points, below);
     image = painter.paint(progress);
   }
-  if (options.lines != Lines::none)
-    draw_ink(image, line_ink(shown, camera, frame, options, progress), options.line_color);
-  if (options.scale_bar) draw_scale_bar(image, frame, camera, options.input_length, *options.scale_bar);
+  if (options.look.lines != Lines::none)
+    draw_ink(image, line_ink(shown, camera, frame, options, progress), options.look.line_color);
+  if (options.annotation.scale_bar)
+    draw_scale_bar(image, frame, camera, options.annotation.input_length, *options.annotation.scale_bar);
   return image;
 }
 
@@ -166,21 +169,22 @@ class Painter::Work {
         camera_(camera),
         options_(options),
         lighting_(camera),
-        up_frame_(options.up == UpAxis::z ? Vec3f{0, 0, 1} : Vec3f{0, 1, 0}),
+        up_frame_(options.view.up == UpAxis::z ? Vec3f{0, 0, 1} : Vec3f{0, 1, 0}),
         key_frame_(lighting_.key),
-        sky_rays_(options.accessibility && options.occlusion_rays > 0 ? std::max(kExposureRays, options.occlusion_rays)
-                                                                      : options.occlusion_rays),
-        sky_reach_(options.accessibility ? static_cast<float>(*options.accessibility) : kOcclusionReach),
-        spots_(spread_over_disc(kParts * options.samples * options.samples * std::max(1, sky_rays_))),
-        footprint_(2 * camera.half_height / static_cast<float>(options.height)),
+        sky_rays_(options.look.accessibility && options.quality.occlusion_rays > 0
+                      ? std::max(kExposureRays, options.quality.occlusion_rays)
+                      : options.quality.occlusion_rays),
+        sky_reach_(options.look.accessibility ? static_cast<float>(*options.look.accessibility) : kOcclusionReach),
+        spots_(spread_over_disc(kParts * options.quality.samples * options.quality.samples * std::max(1, sky_rays_))),
+        footprint_(2 * camera.half_height / static_cast<float>(options.view.height)),
         rim_(smooth_light ? kSmooth : 0),
-        paper_(opaque_color(Pixel{}, linear_color(options.background_color))) {}
+        paper_(opaque_color(Pixel{}, linear_color(options.look.background_color))) {}
 
   /// Lets shadows fall on the plane that far below the lowest point.
   void add_ground(std::span<const Vec3f> points, float below) {
     Box3f box;
     for (const Vec3f& p : points) box.extend(p);
-    const int axis = options_.up == UpAxis::z ? 2 : 1;
+    const int axis = options_.view.up == UpAxis::z ? 2 : 1;
     floor_ = box.lower[axis] - below;
     foot_ = box.center();
     foot_[axis] = floor_;
@@ -196,8 +200,8 @@ class Painter::Work {
   void set_frame(const PictureFrame& frame) { frame_ = frame; }
 
   Image paint(Progress& progress) const {
-    Image image(options_.width, options_.height);
-    const int across = (options_.width + kTile - 1) / kTile, down = (options_.height + kTile - 1) / kTile;
+    Image image(options_.view.width, options_.view.height);
+    const int across = (options_.view.width + kTile - 1) / kTile, down = (options_.view.height + kTile - 1) / kTile;
     const auto tiles = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
     progress.begin("rendering", tiles);
     parallel_for(0, tiles, 1, [&](std::size_t tile) {
@@ -242,7 +246,7 @@ class Painter::Work {
   /// All pixels of a block, whose rays go together.
   template <class At>
   void look(int left, int top, int right, int bottom, Batch& batch, const At& at) const {
-    const int n = options_.samples;
+    const int n = options_.quality.samples;
     batch.pixels.clear();
     for (int v = top; v < bottom; v += kCoherent)
       for (int u = left; u < right; u += kCoherent)
@@ -254,20 +258,20 @@ class Painter::Work {
         const int column = s % n, row = s / n;
         const float fx = static_cast<float>(x) + (static_cast<float>(column) + 0.5f) / static_cast<float>(n);
         const float fy = static_cast<float>(y) + (static_cast<float>(row) + 0.5f) / static_cast<float>(n);
-        batch.eye.add(2 * fx / static_cast<float>(options_.width) - 1,
-                      1 - 2 * fy / static_cast<float>(options_.height));
+        batch.eye.add(2 * fx / static_cast<float>(options_.view.width) - 1,
+                      1 - 2 * fy / static_cast<float>(options_.view.height));
       }
     const EyeRays eye = batch.eye.rays();
     batch.points.resize(eye.size());
     scene_.closest(eye, batch.points);
-    if (options_.accessibility) find_access(batch);
+    if (options_.look.accessibility) find_access(batch);
 
     batch.rays.clear();
     const auto all_pixels = [&](auto& blocked) {
       std::size_t first = 0;
       for (const auto& [x, y] : batch.pixels) {
         at(x, y) = pixel(x, y, eye, first, &batch.points[first], blocked);
-        if (options_.accessibility) at(x, y).access = batch.access[first / static_cast<std::size_t>(n * n)];
+        if (options_.look.accessibility) at(x, y).access = batch.access[first / static_cast<std::size_t>(n * n)];
         first += static_cast<std::size_t>(n * n);
       }
     };
@@ -283,7 +287,7 @@ class Painter::Work {
   /// More light where the surface is bent outwards, less where inwards, by the first ray of each pixel that hits.
   void find_access(Batch& batch) const {
     batch.access.assign(batch.pixels.size(), 1);
-    if (options_.curvature == nullptr || options_.bend_light == 0) return;
+    if (options_.look.curvature == nullptr || options_.look.bend_light == 0) return;
     const EyeRays eye = batch.eye.rays();
     const std::size_t each = batch.points.size() / batch.pixels.size();
     std::vector<Vec3> places;
@@ -298,16 +302,16 @@ class Painter::Work {
       whose.push_back(p);
     }
     std::vector<SurfaceBend> bends(places.size());
-    if (!places.empty()) options_.curvature->evaluate(places, normals, bends);
-    const auto radius = static_cast<float>(*options_.accessibility * frame_.size);
+    if (!places.empty()) options_.look.curvature->evaluate(places, normals, bends);
+    const auto radius = static_cast<float>(*options_.look.accessibility * frame_.size);
     for (std::size_t k = 0; k < whose.size(); ++k)
-      batch.access[whose[k]] = bend_factor(bends[k].mean() * radius, static_cast<float>(options_.bend_light));
+      batch.access[whose[k]] = bend_factor(bends[k].mean() * radius, static_cast<float>(options_.look.bend_light));
   }
 
   template <class Blocked>
   Pixel pixel(int x, int y, const EyeRays& eye, std::size_t first, const std::optional<SurfacePoint>* points,
               Blocked& blocked) const {
-    const int n = options_.samples;
+    const int n = options_.quality.samples;
     const int part = pattern_part(x, y);
     Pixel sum;
     int on = 0;
@@ -367,10 +371,11 @@ class Painter::Work {
   }
 
   Rgba finish(const Pixel& pixel, int x, int y) const {
-    if (options_.background == RenderOptions::Background::transparent) return transparent_color(pixel);
-    if (options_.background == RenderOptions::Background::solid && pixel.cover == 0 && pixel.dark == 0) return paper_;
+    if (options_.look.background == PictureLook::Background::transparent) return transparent_color(pixel);
+    if (options_.look.background == PictureLook::Background::solid && pixel.cover == 0 && pixel.dark == 0)
+      return paper_;
     Rgba color = opaque_color(pixel, background(x, y));
-    if (options_.background == RenderOptions::Background::solid || pixel.cover > 0) return color;
+    if (options_.look.background == PictureLook::Background::solid || pixel.cover > 0) return color;
     // In bytes the wide gradient would show steps, so it takes their levels here already, with a little dither.
     const float threshold = (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
     for (float& c : color) c = from_byte(to_byte(c, threshold));
@@ -378,8 +383,8 @@ class Painter::Work {
   }
 
   Vec3f background(int x, int y) const {
-    return background_light(options_, (static_cast<float>(x) + 0.5f) / static_cast<float>(options_.width),
-                            (static_cast<float>(y) + 0.5f) / static_cast<float>(options_.height));
+    return background_light(options_, (static_cast<float>(x) + 0.5f) / static_cast<float>(options_.view.width),
+                            (static_cast<float>(y) + 0.5f) / static_cast<float>(options_.view.height));
   }
 
   template <class Blocked>
@@ -405,8 +410,9 @@ class Painter::Work {
       sum.facing += facing;
       sum.shine += point.gloss * lighting_.shine(n, direction);
     }
-    if (options_.samples > 1 && index % 2 != 0) return;  // smooth as it is, the shadow needs no more
-    if (!options_.shadows || options_.accessibility || (facing > 0 && !in_key_shadow(point.position, index, blocked)))
+    if (options_.quality.samples > 1 && index % 2 != 0) return;  // smooth as it is, the shadow needs no more
+    if (!options_.look.shadows || options_.look.accessibility ||
+        (facing > 0 && !in_key_shadow(point.position, index, blocked)))
       sum.lit += 1;
     sum.lit_asked += 1;
   }
@@ -444,7 +450,7 @@ class Painter::Work {
     const float d = norm(at - foot_) / shadow_reach_;
     if (d >= 1) return 0;
     float dark = in_key_shadow(at, index, blocked) ? 0.38f : 0.0f;
-    if (options_.occlusion_rays > 0) {
+    if (options_.quality.occlusion_rays > 0) {
       const Spot& spot = spots_[static_cast<std::size_t>(index)];
       if (blocked(at, up_frame_(spot), kOcclusionReach)) dark += 0.5f;
     }

@@ -16,10 +16,9 @@ namespace sansmesh::inline v1 {
 constexpr double kPictureMargin = 0.13;
 
 /// The camera of a picture of these points (finite, in the painter's coordinates, those of `frame`), each a ball of the
-/// given radius, with that margin. `steady`: one that does not zoom with the direction. Throws ArgumentError where no
-/// point lies near the box that the options ask for.
-Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, bool steady,
-                      const RenderOptions& options, float radius = 0);
+/// given radius, with that margin. Throws ArgumentError where no point lies near the box that the options ask for.
+Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, const RenderOptions& options,
+                      float radius = 0);
 
 /// The subject's box should be centred at 0 with a diagonal of about 1. What is passed must outlive the painter.
 class Painter {

@@ -16,7 +16,7 @@ constexpr float kSamePaper = 5.0f / 255;  // more than dither and rounding make 
 }  // namespace
 
 PixelBox picture_content(const Image& image, const RenderOptions& options, int margin) {
-  const bool clear = options.background == RenderOptions::Background::transparent;
+  const bool clear = options.look.background == PictureLook::Background::transparent;
   int left = image.width, top = image.height, right = -1, bottom = -1;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
@@ -24,8 +24,9 @@ PixelBox picture_content(const Image& image, const RenderOptions& options, int m
       bool content = p[3] > 0;
       if (!clear) {
         // Beside the picture its last column goes on.
-        const float u = (static_cast<float>(std::min(x, options.width - 1)) + 0.5f) / static_cast<float>(options.width);
-        const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(options.height);
+        const float u =
+            (static_cast<float>(std::min(x, options.view.width - 1)) + 0.5f) / static_cast<float>(options.view.width);
+        const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(options.view.height);
         const Vec3f paper = srgb_color(background_light(options, u, v));
         content = std::max({std::abs(p[0] - paper.x), std::abs(p[1] - paper.y), std::abs(p[2] - paper.z)}) > kSamePaper;
       }

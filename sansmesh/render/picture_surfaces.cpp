@@ -24,7 +24,7 @@ constexpr double kSheetsApart = 2e-5;  // of the diagonal: nearer ones may be th
 
 /// Whether a painter takes means over neighbouring pixels.
 bool soft_light(const RenderOptions& options) {
-  return options.shadows || options.ground || options.occlusion_rays > 0;
+  return options.look.shadows || options.look.ground || options.quality.occlusion_rays > 0;
 }
 
 /// A surface with a caster that has coordinates of its own.
@@ -53,8 +53,8 @@ class FlowScene final : public PictureScene {
       : scene_(std::move(scene)) {
     if (!streaks) return;
     // Then a pixel is asked for by the ray that the texture has cast, and pixels beyond the border are not.
-    one_a_pixel_ = picture.samples == 1 && !soft_light(picture);
-    texture_.emplace(*scene_, camera, picture.width, picture.height, one_a_pixel_);
+    one_a_pixel_ = picture.quality.samples == 1 && !soft_light(picture);
+    texture_.emplace(*scene_, camera, picture.view.width, picture.view.height, one_a_pixel_);
     texture_->convolve(*streaks);
   }
   void closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const override {
@@ -214,7 +214,7 @@ PictureSurface surface_in_picture(const SurfaceCaster& caster, const Placement& 
                                   const SurfaceRenderOptions& options) {
   options.validate();
   SurfaceRenderOptions own = options;
-  own.shadows = false;
+  own.picture.look.shadows = false;
   return [&caster, place, colors, own](const PictureFrame& frame, const Camera& camera) {
     const PictureFrame placed{place.from_input(frame.center), place.from_input(frame.size)};
     return std::make_unique<PlacedScene>(caster, placed, camera, colors, own);
@@ -242,7 +242,7 @@ struct DrawnFlow::State {
   std::shared_ptr<const PictureScene> scene_of(const PictureFrame& wanted, const Camera& camera, const FlowLook& look) {
     const std::lock_guard lock(mutex);
     if (scene && frame.center == wanted.center && frame.size == wanted.size && splats == look.splats &&
-        opacity == look.opacity && options.wireframe == RenderOptions::Wireframe::none)
+        opacity == look.opacity && options.look.wireframe == PictureLook::Wireframe::none)
       return scene;
     frame = wanted, splats = look.splats, opacity = look.opacity;
     if (splats) {
@@ -276,7 +276,7 @@ PictureSurface DrawnFlow::surface(const FlowLook& look) const {
 }
 
 Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const Vec3> points, bool translucent,
-                      bool steady, const RenderOptions& options, Progress& progress) {
+                      const RenderOptions& options, Progress& progress) {
   options.validate();
   Box3 box;
   for (const Vec3& p : points)
@@ -289,11 +289,10 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
     const Vec3 rim{1e-3 * size, 1e-3 * size, 1e-3 * size};  // what is flat has no inside
     const ClearVolume field({box.lower - rim, box.upper + rim});
     VolumePictureOptions o;
-    static_cast<RenderOptions&>(o) = options;
+    o.picture = options;
     o.opacity_factor = 0;
     o.clip_faces = false;
     o.transfer = TransferFunction{{}, {{0, {}}, {1, {}}}, {{0, 0}, {1, 0}}};
-    o.steady = steady;
     VolumeSubject subject;
     subject.field = &field;
     subject.framed = points;
@@ -304,7 +303,7 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
   std::vector<Vec3f> placed;
   for (const Vec3& p : points)
     if (is_finite(p)) placed.push_back(frame.to_picture(p));
-  const Camera camera = picture_camera(placed, frame, steady, options);
+  const Camera camera = picture_camera(placed, frame, options);
   progress.begin("preparing");
   std::vector<std::unique_ptr<PictureScene>> scenes;
   for (const PictureSurface& surface : surfaces) scenes.push_back(surface(frame, camera));

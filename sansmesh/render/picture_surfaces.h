@@ -65,9 +65,8 @@ class DrawnFlow {
 
 /// Surfaces alone, lit as render_mesh() does, shadows included. `points` frame them (at least one finite), in the
 /// coordinates of the surfaces. With `translucent` light comes through those with an opacity below 1: then without
-/// shadows and ground. `steady`: the view does not zoom with the direction. Throws DataError where there is nothing to
-/// frame, ArgumentError for bad options.
+/// shadows and ground. Throws DataError where there is nothing to frame, ArgumentError for bad options.
 Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const Vec3> points, bool translucent,
-                      bool steady, const RenderOptions& options, Progress& progress);
+                      const RenderOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

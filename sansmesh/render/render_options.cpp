@@ -22,19 +22,13 @@ void check_color(const char* name, const Vec3f& color) {
 
 }  // namespace
 
-const OptionSchema& RenderOptions::schema() {
-  using O = RenderOptions;
+const OptionSchema& PictureView::schema() {
+  using O = PictureView;
   static constexpr OptionRow rows[] = {
       option<&O::width>({.text = "Width of the picture", .unit = "pixels", .range = {1, kMostPixels}}),
       option<&O::height>({.text = "Height of the picture", .unit = "pixels", .range = {1, kMostPixels}}),
       option<&O::field_of_view>({.text = "Angle over the shorter side", .unit = "degrees", .range = {1, 120}}),
       option<&O::orthographic>({.text = "Parallel rays: no perspective"}),
-      option<&O::scale_bar>({.text = "With `orthographic`: a bar of a round length, and the unit's name, mm, m or in "
-                                     "(others as `scale_bar`=UNIT)",
-                             .unit = "unit",
-                             .implied = "",
-                             .needs = "orthographic",
-                             .usual_words = kLengthUnits}),
       option<&O::look_at>(
           {.text = "Place in the middle of the picture", .from_data = "that of what is seen", .old_name = "focus"}),
       option<&O::zoom>(
@@ -43,7 +37,14 @@ const OptionSchema& RenderOptions::schema() {
                                .unit = "length",
                                .range = positive(),
                                .needs = "look_at"}),
-      option<&O::clip_box>({.text = "Show only what lies in this box, XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX"}),
+      option<&O::clip_box>({.text = "Show only what lies in this box, XMIN,YMIN,ZMIN,XMAX,YMAX,ZMAX"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+const OptionSchema& PictureLook::schema() {
+  using O = PictureLook;
+  static constexpr OptionRow rows[] = {
       option<&O::wireframe>({.text = "Edges of triangles: over the surface, or only these without hidden ones, as "
                                      "`wireframe`=only",
                              .choices = kOverOrOnly,
@@ -77,39 +78,71 @@ const OptionSchema& RenderOptions::schema() {
                               .needs = "accessibility"}),
       option<&O::smooth>({.text = "Show the flat triangles: normals are not interpolated", .negative = "flat"}),
       option<&O::shadows>({.text = "No shadows"}),
-      option<&O::samples>({.text = "Rays per pixel in each direction", .range = {1, 8}, .name = "antialiasing"}),
       option<&O::point_radius>(
           {.text = "Radius of points", .unit = "length", .from_data = "from their spacing", .range = positive()})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
 
+const OptionSchema& PictureQuality::schema() {
+  using O = PictureQuality;
+  static constexpr OptionRow rows[] = {
+      option<&O::samples>({.text = "Rays per pixel in each direction", .range = {1, 8}, .name = "antialiasing"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+const OptionSchema& PictureAnnotation::schema() {
+  using O = PictureAnnotation;
+  static constexpr OptionRow rows[] = {
+      option<&O::scale_bar>({.text = "With `orthographic`: a bar of a round length, and the unit's name, mm, m or in "
+                                     "(others as `scale_bar`=UNIT)",
+                             .unit = "unit",
+                             .implied = "",
+                             .needs = "orthographic",
+                             .usual_words = kLengthUnits})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+const OptionSchema& RenderOptions::schema() {
+  using O = RenderOptions;
+  static const OptionRow rows[] = {option_group<&O::view>(PictureView::schema().rows),
+                                   option_group<&O::annotation>(PictureAnnotation::schema().rows),
+                                   option_group<&O::look>(PictureLook::schema().rows),
+                                   option_group<&O::quality>(PictureQuality::schema().rows)};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
 void RenderOptions::validate() const {
   validate_options(*this);
-  check_range("azimuth", view.azimuth, -3600, 3600);
-  check_range("elevation", view.elevation, -90, 90);
-  if (look_at && !is_finite(*look_at)) throw ArgumentError("`look_at` must be finite");
-  if (!(input_length > 0 && std::isfinite(input_length))) throw ArgumentError("`input_length` must be positive");
-  if (clip_box) {
-    if (!is_finite(clip_box->lower) || !is_finite(clip_box->upper)) throw ArgumentError("`clip_box` must be finite");
-    const Vec3 size = clip_box->size();
+  check_range("azimuth", view.direction.azimuth, -3600, 3600);
+  check_range("elevation", view.direction.elevation, -90, 90);
+  if (view.look_at && !is_finite(*view.look_at)) throw ArgumentError("`look_at` must be finite");
+  if (!(annotation.input_length > 0 && std::isfinite(annotation.input_length)))
+    throw ArgumentError("`input_length` must be positive");
+  if (view.clip_box) {
+    if (!is_finite(view.clip_box->lower) || !is_finite(view.clip_box->upper))
+      throw ArgumentError("`clip_box` must be finite");
+    const Vec3 size = view.clip_box->size();
     if (!(size.x > 0 && size.y > 0 && size.z > 0))
       throw ArgumentError("`clip_box` must have an extent: XMIN < XMAX, YMIN < YMAX and ZMIN < ZMAX");
   }
-  if (accessibility && lines == Lines::only)
+  if (look.accessibility && look.lines == PictureLook::Lines::only)
     throw ArgumentError("`accessibility` is light, which `lines` alone does not show: `lines = over`");
-  check_color("background_color", background_color);
-  check_color("surface_color", surface_color);
-  check_color("wire_color", wire_color);
-  check_color("line_color", line_color);
-  check_range("occlusion_rays", occlusion_rays, 0, 64);
+  check_color("background_color", look.background_color);
+  check_color("surface_color", look.surface_color);
+  check_color("wire_color", look.wire_color);
+  check_color("line_color", look.line_color);
+  check_range("occlusion_rays", quality.occlusion_rays, 0, 64);
 }
 
 void move_from_input(RenderOptions& options, const Placement& place) {
-  if (options.look_at) options.look_at = place.from_input(*options.look_at);
-  if (options.look_radius) options.look_radius = place.from_input(*options.look_radius);
-  options.input_length *= place.unit;
-  if (options.clip_box) options.clip_box = place.from_input(*options.clip_box);
+  if (options.view.look_at) options.view.look_at = place.from_input(*options.view.look_at);
+  if (options.view.look_radius) options.view.look_radius = place.from_input(*options.view.look_radius);
+  options.annotation.input_length *= place.unit;
+  if (options.view.clip_box) options.view.clip_box = place.from_input(*options.view.clip_box);
 }
 
 const OptionSchema& SurfaceRenderOptions::schema() {
@@ -131,7 +164,7 @@ const OptionSchema& SurfaceRenderOptions::schema() {
 }
 
 void SurfaceRenderOptions::validate() const {
-  RenderOptions::validate();
+  picture.validate();
   validate_options(*this);
   if (reflection + transmission > 1 + 1e-9)
     throw ArgumentError("`reflection` + `transmission` must be at most 1, not " +

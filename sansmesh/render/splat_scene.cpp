@@ -84,7 +84,7 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
                     : 0;
   });
   Splats splats;
-  const bool colored = options.use_colors && mesh.colors.size() == n;
+  const bool colored = options.look.use_colors && mesh.colors.size() == n;
   for (std::size_t v = 0; v < n; ++v) {
     if (!(spacings[v] > 0)) continue;
     splats.centers.push_back(places[v]);
@@ -93,7 +93,7 @@ Splats splats_at_vertices(const TriangleMesh& mesh, std::span<const Vec3f> vecto
     splats.fronts.push_back(fronts[v]);
     splats.reaches.push_back(1 + index_in<std::int32_t>(2 * kRadius * spacings[v] * slopes[v], 0, kMostFronts));
     if (!vectors.empty()) splats.vectors.push_back(vectors[v]);
-    Vec3f color = options.surface_color;
+    Vec3f color = options.look.surface_color;
     if (colored) color = {from_byte(mesh.colors[v][0]), from_byte(mesh.colors[v][1]), from_byte(mesh.colors[v][2])};
     splats.colors.push_back(linear_color(color));
   }

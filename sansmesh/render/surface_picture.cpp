@@ -24,9 +24,9 @@ Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points,
   options.validate();
   SurfaceRenderOptions own = options;
   if (own.plain) {
-    own.shadows = own.ground = false;
-    own.occlusion_rays = 0;
-    own.samples = 1;
+    own.picture.look.shadows = own.picture.look.ground = false;
+    own.picture.quality.occlusion_rays = 0;
+    own.picture.quality.samples = 1;
   }
   Box3 box;
   for (const Vec3f& p : points)
@@ -39,11 +39,11 @@ Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points,
   placed.reserve(points.size());
   for (const Vec3f& p : points)
     if (is_finite(p)) placed.push_back(frame.to_picture(Vec3(p)));
-  const Camera camera = picture_camera(placed, frame, own.steady, own);
+  const Camera camera = picture_camera(placed, frame, own.picture);
 
   progress.begin("preparing");
   const SurfaceScene scene(caster, frame, camera, colors, own);
-  return paint_scene(scene, camera, frame, own, !own.plain, placed, 0, progress);
+  return paint_scene(scene, camera, frame, own.picture, !own.plain, placed, 0, progress);
 }
 
 DepthMap surface_depth(const SurfaceCaster& caster, const Camera& camera, int width, int height) {

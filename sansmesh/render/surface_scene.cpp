@@ -54,10 +54,10 @@ SurfaceScene::SurfaceScene(const SurfaceCaster& caster, const PictureFrame& fram
     : caster_(caster),
       frame_(frame),
       camera_(camera),
-      colors_(options.use_colors ? colors : nullptr),
+      colors_(options.picture.look.use_colors ? colors : nullptr),
       options_(options),
       lighting_(camera),
-      color_(linear_color(options.surface_color)),
+      color_(linear_color(options.picture.look.surface_color)),
       own_(static_cast<float>(std::max(0.0, 1 - options.reflection - options.transmission))),
       mirror_(static_cast<float>(options.reflection)),
       clear_(static_cast<float>(options.transmission)),
@@ -65,7 +65,8 @@ SurfaceScene::SurfaceScene(const SurfaceCaster& caster, const PictureFrame& fram
   // Highlights are mirrored light, too: glass has those of other smooth bodies, but none without refraction.
   const float straight = mirrored_share(1, index_);
   gloss_ = (1 - clear_) + clear_ * std::min(1.0f, straight / 0.04f);
-  const bool asks = options.shadows || options.ground || options.occlusion_rays > 0;
+  const bool asks =
+      options.picture.look.shadows || options.picture.look.ground || options.picture.quality.occlusion_rays > 0;
   if (asks && !options.exact_shadows) discs_ = shadow_discs();
 }
 
@@ -191,7 +192,7 @@ void SurfaceScene::follow(Scratch& s, std::span<std::optional<SurfacePoint>> poi
     return dot(s.hits[k].normal, s.rays[k].direction) > 0 ? -s.hits[k].normal : s.hits[k].normal;
   };
   s.shadow_rays.clear();
-  const bool shadows = options_.shadows && own_ > 0;
+  const bool shadows = options_.picture.look.shadows && own_ > 0;
   if (shadows) {
     const float share = options_.exact_shadows ? kOffSurface : disc_over_ball_;
     for (std::size_t k = 0; k < s.hits.size(); ++k)
@@ -233,7 +234,7 @@ Vec3f SurfaceScene::environment(const Vec3f& direction) const {
   const float x = dot(direction, camera_.right) / (ahead * wide * camera_.half_width);
   const float y = dot(direction, camera_.up) / (ahead * wide * camera_.half_height);
   const float t = std::min(1.0f, ahead / 0.5f);
-  return mix(sky, background_light(options_, 0.5f + 0.5f * x, 0.5f - 0.5f * y), t * t * (3 - 2 * t));
+  return mix(sky, background_light(options_.picture, 0.5f + 0.5f * x, 0.5f - 0.5f * y), t * t * (3 - 2 * t));
 }
 
 void SurfaceScene::blocked(std::span<const ShadowRay> rays, std::span<std::uint8_t> answers) const {

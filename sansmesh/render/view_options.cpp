@@ -61,11 +61,11 @@ const OptionSchema& ViewOptions::schema() {
 
 RenderOptions ViewOptions::applied_to(RenderOptions o) const {
   validate_options(*this);
-  if (azimuth) o.view.azimuth = *azimuth;
-  if (elevation) o.view.elevation = *elevation;
-  if (view) o.view = named_view(std::string(kNamedViews[static_cast<std::size_t>(*view)]));
-  if (z_up) o.up = UpAxis::z;
-  if (crop && crop->box) check_crop(*crop->box, o.width, o.height);  // before all the work
+  if (azimuth) o.view.direction.azimuth = *azimuth;
+  if (elevation) o.view.direction.elevation = *elevation;
+  if (view) o.view.direction = named_view(std::string(kNamedViews[static_cast<std::size_t>(*view)]));
+  if (z_up) o.view.up = UpAxis::z;
+  if (crop && crop->box) check_crop(*crop->box, o.view.width, o.view.height);  // before all the work
   return o;
 }
 

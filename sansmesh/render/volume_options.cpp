@@ -174,7 +174,7 @@ const OptionSchema& VolumePictureOptions::schema() {
 }
 
 void VolumePictureOptions::validate() const {
-  RenderOptions::validate();
+  picture.validate();
   if (transfer) transfer->validate();
   if (transfer && !preset.empty()) throw ArgumentError("`preset` and `transfer` exclude each other");
   if (!preset.empty()) {

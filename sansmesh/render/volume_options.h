@@ -34,16 +34,17 @@ inline void option_of_text(std::string_view text, IsoSurface& iso) { iso = iso_s
 /// What is taken away: "x>1.5", "y<0", "-1<z<2", or "NX,NY,NZ>OFFSET" for any direction. Throws ArgumentError.
 VolumeCut volume_cut_of(const std::string& text);
 
-/// As for meshes (`shadows`, `ground`, `occlusion_rays` mean nothing here), and:
-struct VolumePictureOptions : RenderOptions {
+/// Pictures of volumes.
+struct VolumePictureOptions {
+  RenderOptions picture = {};  ///< as of meshes; `shadows`, `ground` and `occlusion_rays` mean nothing here
   /// Colours and opacities; default: the preset, or what suggest_transfer_function says.
-  std::optional<TransferFunction> transfer;
+  std::optional<TransferFunction> transfer = {};
   /// A name of transfer_function_presets(); not beside `transfer`. Its opacities lie over the values of the field that
   /// gives the opacities.
-  std::string preset;
-  double opacity_factor = 1;     ///< extinction is multiplied by this, 0..1000; 0: iso-surfaces and cut faces only
-  std::vector<IsoSurface> isos;  ///< of the field that gives the colours; at most 16
-  std::vector<VolumeCut> clips;  ///< at most 16
+  std::string preset = {};
+  double opacity_factor = 1;          ///< extinction is multiplied by this, 0..1000; 0: iso-surfaces and cut faces only
+  std::vector<IsoSurface> isos = {};  ///< of the field that gives the colours; at most 16
+  std::vector<VolumeCut> clips = {};  ///< at most 16
   /// Cut faces show their values, except such as the transfer function leaves clear. Those of gaps in a deformed
   /// volume that is seen by its iso-surfaces only: what is not below the least of these.
   bool clip_faces = true;
@@ -53,16 +54,14 @@ struct VolumePictureOptions : RenderOptions {
   /// What is left of the light behind where a ray ends, 0..0.1.
   double least_light = 0.002;
   bool skip_empty = true;  ///< leaps over what is clear
-  /// The view does not zoom with the direction: frames of a turntable fit together.
-  bool steady = false;
 
-  bool color_bar = false;   ///< to the right of the picture, which it makes wider
-  std::string color_title;  ///< of the colour bar: what is shown and its unit
-  bool axes = false;        ///< the outline of the box with ticks
-  std::string unit;         ///< of lengths, at the axes
-  std::string title;        ///< above the picture
+  bool color_bar = false;        ///< to the right of the picture, which it makes wider
+  std::string color_title = {};  ///< of the colour bar: what is shown and its unit
+  bool axes = false;             ///< the outline of the box with ticks
+  std::string unit = {};         ///< of lengths, at the axes
+  std::string title = {};        ///< above the picture
 
-  /// Some of those that RenderOptions does not have.
+  /// Some of those that `picture` does not have.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;

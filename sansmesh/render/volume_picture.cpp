@@ -46,19 +46,22 @@ std::vector<std::pair<int, int>> tile_pixels(int left, int top, int right, int b
 
 /// The ray through a place in pixels.
 void add_ray(CameraRays& rays, const VolumePictureOptions& options, float x, float y) {
-  rays.add(2 * x / static_cast<float>(options.width) - 1, 1 - 2 * y / static_cast<float>(options.height));
+  rays.add(2 * x / static_cast<float>(options.picture.view.width) - 1,
+           1 - 2 * y / static_cast<float>(options.picture.view.height));
 }
 
 /// With the box that is shown as cuts, of a volume that has this box: where both end at the same place, or the volume
 /// before, there is nothing to cut.
 VolumePictureOptions with_box_cut(VolumePictureOptions options, const Box3& box) {
-  if (!options.clip_box) return options;
+  if (!options.picture.view.clip_box) return options;
   const double same = 1e-6 * box.diagonal();
   for (std::size_t k = 0; k < 3; ++k) {
     Vec3 axis{};
     axis[k] = 1;
-    if (options.clip_box->upper[k] < box.upper[k] - same) options.clips.push_back({axis, options.clip_box->upper[k]});
-    if (options.clip_box->lower[k] > box.lower[k] + same) options.clips.push_back({-axis, -options.clip_box->lower[k]});
+    if (options.picture.view.clip_box->upper[k] < box.upper[k] - same)
+      options.clips.push_back({axis, options.picture.view.clip_box->upper[k]});
+    if (options.picture.view.clip_box->lower[k] > box.lower[k] + same)
+      options.clips.push_back({-axis, -options.picture.view.clip_box->lower[k]});
   }
   return options;
 }
@@ -75,13 +78,13 @@ float difference(const Vec3f& a, const Vec3f& b) {
 
 /// What stands behind the volume: a picture of its own.
 Image behind(const VolumePictureOptions& options) {
-  Image image(options.width, options.height, Rgba{0, 0, 0, 0});
-  if (options.background == RenderOptions::Background::transparent) return image;
+  Image image(options.picture.view.width, options.picture.view.height, Rgba{0, 0, 0, 0});
+  if (options.picture.look.background == PictureLook::Background::transparent) return image;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
-      const float fx = (static_cast<float>(x) + 0.5f) / static_cast<float>(options.width);
-      const float fy = (static_cast<float>(y) + 0.5f) / static_cast<float>(options.height);
-      const Vec3f c = srgb_color(background_light(options, fx, fy));
+      const float fx = (static_cast<float>(x) + 0.5f) / static_cast<float>(options.picture.view.width);
+      const float fy = (static_cast<float>(y) + 0.5f) / static_cast<float>(options.picture.view.height);
+      const Vec3f c = srgb_color(background_light(options.picture, fx, fy));
       image.at(x, y) = {c.x, c.y, c.z, 1};
     }
   return image;
@@ -105,9 +108,7 @@ class VolumePicture::Work {
         cells_(*subject_.field, subject_.opacity, progress),
         stretches_(*subject_.field, subject_.boundary, frame_) {}
 
-  Camera camera(const VolumePictureOptions& options) const {
-    return picture_camera(outline_, frame_, options.steady, options);
-  }
+  Camera camera(const VolumePictureOptions& options) const { return picture_camera(outline_, frame_, options.picture); }
 
   SuggestedTransferFunction transfer(const VolumePictureOptions& options) const {
     if (options.transfer) return {*options.transfer, {}};
@@ -132,18 +133,19 @@ class VolumePicture::Work {
       volume.surfaces.push_back(scenes.back().get());
     }
     std::vector<std::unique_ptr<ClippedScene>> parts;
-    for (std::size_t k = 0; options.clip_box && k < scenes.size(); ++k) {
-      const Box3f box{frame_.to_picture(options.clip_box->lower), frame_.to_picture(options.clip_box->upper)};
+    for (std::size_t k = 0; options.picture.view.clip_box && k < scenes.size(); ++k) {
+      const Box3f box{frame_.to_picture(options.picture.view.clip_box->lower),
+                      frame_.to_picture(options.picture.view.clip_box->upper)};
       parts.push_back(std::make_unique<ClippedScene>(*scenes[k], box));
       volume.surfaces[k] = parts.back().get();
     }
     const VolumeTracer tracer(volume, camera, chosen.function, options);
-    LightMap map(options.width, options.height);
+    LightMap map(options.picture.view.width, options.picture.view.height);
     std::atomic<std::uint64_t> evaluations{0}, rays{0};
     coarse(tracer, camera, options, map, progress, evaluations, rays);
     VolumePictureReport own;
     if (check) check_steps(volume, camera, chosen.function, options, map, own);
-    if (options.samples > 1) fine(tracer, camera, options, map, progress, evaluations, rays);
+    if (options.picture.quality.samples > 1) fine(tracer, camera, options, map, progress, evaluations, rays);
     if (report) {
       own.transfer = chosen.function, own.why = chosen.why;
       own.notes = notes(options);
@@ -274,7 +276,7 @@ class VolumePicture::Work {
         for (const auto& [u, v] :
              tile_pixels(x, y, std::min(x + kVolumeTile, map.width), std::min(y + kVolumeTile, map.height)))
           if (wanted.at(u, v)) pixels.emplace_back(u, v);
-    const int n = options.samples;
+    const int n = options.picture.quality.samples;
     const auto each = static_cast<std::size_t>(n * n);
     const std::size_t chunk = std::max<std::size_t>(1, kFineRays / each), chunks = (pixels.size() + chunk - 1) / chunk;
     progress.begin("smoothing", std::max<std::size_t>(1, chunks));
@@ -374,7 +376,7 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
   Image image = behind(options);
   const bool axes = options.axes;
   if (axes) draw_box_edges(image, work_->box(), work_->frame(), camera);
-  const bool dither = options.background == RenderOptions::Background::gradient;
+  const bool dither = options.picture.look.background == PictureLook::Background::gradient;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const auto& p = map.at(x, y);
@@ -386,7 +388,9 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
       for (float& v : color) v = from_byte(to_byte(v, threshold));
     }
   if (axes) draw_box_ticks(image, work_->box(), work_->frame(), camera, options.unit);
-  if (options.scale_bar) draw_scale_bar(image, work_->frame(), camera, options.input_length, *options.scale_bar);
+  if (options.picture.annotation.scale_bar)
+    draw_scale_bar(image, work_->frame(), camera, options.picture.annotation.input_length,
+                   *options.picture.annotation.scale_bar);
   if (!options.title.empty()) draw_title(image, options.title);
   if (options.color_bar) {
     std::vector<double> marks;

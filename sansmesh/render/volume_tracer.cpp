@@ -109,7 +109,7 @@ VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, con
       depths_(transfer),
       options_(options),
       separate_(volume.opacity != nullptr),
-      footprint_(2 * camera.half_height / static_cast<float>(options.height)) {
+      footprint_(2 * camera.half_height / static_cast<float>(options.picture.view.height)) {
   const double reference = transfer.reference_length ? *transfer.reference_length / volume.frame.size : kReferenceShare;
   extinction_ = options.opacity_factor / reference;
   const auto [lower, upper] = transfer.range();

@@ -202,7 +202,7 @@ TEST(DeformJob, SolidsBecomeMeshesSectionsAndPictures) {
   EXPECT_NEAR(cut.report.sections[0].area, 3.14159, 1e-3);
   EXPECT_EQ(deform(ball(1), moved, DeformAim::sections, {}, kIgnore, progress).report.sections.size(), 3u);
   DeformOptions look{.resolution = 16, .draw_handles = true};
-  look.look.width = 32, look.look.height = 24;
+  look.look.picture.view.width = 32, look.look.picture.view.height = 24;
   int width = 0;
   deform(
       ball(1), moved, DeformAim::picture, look,
@@ -245,7 +245,7 @@ TEST(DeformJob, VolumesAreResampledAndSeenThrough) {
   const DeformableVolume seen = deformable_volume(volume, DeformAim::picture, false, progress, notes);
   EXPECT_EQ(seen.fields.at(0)->components(), 1u);
   DeformOptions options{.map_nodes = 8};
-  options.look.width = 32, options.look.height = 24;
+  options.look.picture.view.width = 32, options.look.picture.view.height = 24;
   const DeformResult drawn = deform(
       seen, moved, DeformAim::picture, options,
       [](int, const DeformedPose& made) { EXPECT_EQ(std::get<DeformedPicture>(made).image.width, 32); }, progress);

@@ -148,15 +148,15 @@ TEST(LinePicture, HasAScaleBesideTheTubes) {
   Progress progress;
   const TraceLinesResult made = trace_lines_of(of_volume(), {.seeds = "line(0.5,0,0, 1.5,0,0, 5)"}, progress);
   LinePictureOptions options;
-  options.look.width = 300, options.look.height = 120;
+  options.picture.view.width = 300, options.picture.view.height = 120;
   const LinePicture drawn = line_picture(made.lines, options, "speed", progress);
   EXPECT_EQ(drawn.image.width, 300);
-  EXPECT_LT(drawn.look.width, 300);
+  EXPECT_LT(drawn.made_with.view.width, 300);
   EXPECT_EQ(drawn.color_by, "speed");
   EXPECT_LT(drawn.lower, drawn.upper);
   options.color_by = "heat";
   EXPECT_TRUE(holds(refused([&] { line_picture(made.lines, options, "speed", progress); }), "heat"));
-  options.look.width = 120;
+  options.picture.view.width = 120;
   EXPECT_TRUE(holds(refused([&] { options.validate("speed"); }), "`width = 120`"));
 }
 
@@ -180,7 +180,7 @@ TEST(FlowPictures, DrawTheSurfaceInAVolume) {
   FlowPictureOptions options;
   options.trace.seeds = "line(0.5,0,-1, 0.5,0,1, 12)";
   options.trace.surface.duration = 1;
-  options.look.width = 320, options.look.height = 120, options.look.samples = 1;
+  options.picture.view.width = 320, options.picture.view.height = 120, options.picture.quality.samples = 1;
   options.frames = 2, options.color_by = "height", options.isos = {{.value = 1}};
   int frames = 0;
   const FlowPicturesResult made = flow_pictures(
@@ -188,7 +188,7 @@ TEST(FlowPictures, DrawTheSurfaceInAVolume) {
       [&](int frame, const Image& image, const RenderOptions& look) {
         EXPECT_EQ(frame, frames++);
         EXPECT_EQ(image.width, 320);
-        EXPECT_LT(look.width, 320);
+        EXPECT_LT(look.view.width, 320);
       },
       progress);
   EXPECT_EQ(frames, 2);

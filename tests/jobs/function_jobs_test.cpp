@@ -106,7 +106,7 @@ TEST(DiagnoseJob, ListsPlacesByKindWithTheirEdits) {
   }
   EXPECT_EQ(steps, made.edits.size());
   RenderOptions look;
-  look.width = 80, look.height = 60, look.samples = 1;
+  look.view.width = 80, look.view.height = 60, look.quality.samples = 1;
   const std::vector<Image> each = draw_places(made, look, false, progress);
   ASSERT_EQ(each.size(), made.places.size());
   EXPECT_EQ(each[0].width, 80);

@@ -15,7 +15,7 @@ namespace sansmesh::test {
 namespace {
 
 PictureOptions small(PictureOptions options = {}) {
-  options.look.width = 64, options.look.height = 48, options.look.samples = 1;
+  options.look.picture.view.width = 64, options.look.picture.view.height = 48, options.look.picture.quality.samples = 1;
   return options;
 }
 
@@ -86,7 +86,7 @@ TEST(RenderJob, ObjectsHaveColorsOfTheirOwnAndAList) {
   lines.lines.positions = lines.points.positions;
   lines.lines.offsets = {0, 2};
   PictureOptions options = small();
-  options.look.width = 400, options.look.height = 120;
+  options.look.picture.view.width = 400, options.look.picture.view.height = 120;
   options.colors = {"red"};
   options.names = {"first"};
   const Pictures made = pictures_of({ball(), function_object(), lines}, options);
@@ -103,7 +103,7 @@ TEST(RenderJob, ObjectsHaveColorsOfTheirOwnAndAList) {
 
 TEST(RenderJob, LinesOfACloudAreThoseOfItsSurface) {
   PictureOptions options = small();
-  options.look.lines = RenderOptions::Lines::only;
+  options.look.picture.look.lines = PictureLook::Lines::only;
   EXPECT_TRUE(pictures_of({cloud_object()}, options).result.report.surface);
   EXPECT_FALSE(pictures_of({ball()}, options).result.report.surface);
   // Points of a plane make none.
@@ -130,12 +130,12 @@ TEST(RenderJob, ColorsByAttributeHaveABar) {
   for (const Vec3f& p : high.points.positions) heights.push_back(p.y);
   high.points.attributes.set("height", heights);
   PictureOptions options = small();
-  options.look.width = 240, options.look.height = 150;
+  options.look.picture.view.width = 240, options.look.picture.view.height = 150;
   options.color_by = "height";
   EXPECT_EQ(pictures_of({high}, options).images[0].width, 240);
   options.bar = false;
   EXPECT_EQ(pictures_of({high}, options).images[0].width, 240);
-  options.bar = true, options.look.width = 120;
+  options.bar = true, options.look.picture.view.width = 120;
   EXPECT_NE(refusal({high}, options).find("`bar = false`"), std::string::npos);
   options.color_by = "depth";
   Progress progress;
@@ -150,10 +150,10 @@ TEST(RenderJob, RefusesWhatWouldNotBeHeeded) {
   PictureOptions o = small();
   o.look.plain = true;
   names("quick", {ball()}, o);
-  o = small(), o.look.smooth = false;
+  o = small(), o.look.picture.look.smooth = false;
   names("smooth = false", {function_object()}, o);
   names("smooth = false", {cloud_object()}, o);
-  o = small(), o.look.point_radius = 0.1;
+  o = small(), o.look.picture.look.point_radius = 0.1;
   names("point_radius", {ball()}, o);
   o = small(), o.names = {"one"};
   names("name", {ball()}, o);
@@ -177,9 +177,9 @@ TEST(RenderJob, RefusesWhatWouldNotBeHeeded) {
   names("surface", {cloud_object(), cloud_object()}, o);
   o = small(), o.frames = 0;
   names("frames", {ball()}, o);
-  o = small(), o.opacities = {0.5}, o.look.lines = RenderOptions::Lines::over;
+  o = small(), o.opacities = {0.5}, o.look.picture.look.lines = PictureLook::Lines::over;
   names("lines", {ball()}, o);
-  o = small(), o.look.lines = RenderOptions::Lines::only, o.color_by = "height";
+  o = small(), o.look.picture.look.lines = PictureLook::Lines::only, o.color_by = "height";
   names("color_by", {ball()}, o);
   names("color_by", {}, small({.color_by = "height", .colors = {"red"}}));
 }

@@ -240,12 +240,12 @@ TEST(CompareJob, DrawsTheMapBesideItsScale) {
   options.map.within = 0.05;
   const CompareResult made = compare(part, design, options, progress);
   RenderOptions look;
-  look.width = 300, look.height = 150, look.samples = 1;
+  look.view.width = 300, look.view.height = 150, look.quality.samples = 1;
   const MapPicture picture = draw_map(made, options, look, "mm", progress);
   EXPECT_EQ(picture.image.width, 300);
-  EXPECT_LT(picture.look.width, 300);
-  EXPECT_FALSE(picture.look.shadows);
-  look.width = 120;
+  EXPECT_LT(picture.made_with.view.width, 300);
+  EXPECT_FALSE(picture.made_with.look.shadows);
+  look.view.width = 120;
   EXPECT_NE(error_text([&] { draw_map(made, options, look, "mm", progress); }).find("`width = 120`"),
             std::string::npos);
   EXPECT_THROW(check_map_picture(look, "mm"), ArgumentError);
@@ -256,7 +256,7 @@ TEST(AlignJob, DrawsWhatHasMovedInOrange) {
   const AnySurface fixed(brick(), "fixed.ply"), moving(moved_by(brick(), {0.05, 0, 0}), "moving.ply");
   const AlignResult made = align(moving, fixed, {}, progress);
   RenderOptions look;
-  look.width = 80, look.height = 60, look.samples = 1;
+  look.view.width = 80, look.view.height = 60, look.quality.samples = 1;
   const Image image = draw_alignment(made, look, progress);
   std::size_t orange = 0;
   for (int y = 0; y < 60; ++y)

@@ -173,7 +173,7 @@ TEST(SurfaceInVolumePicturesJob, ColoursOfCurvatureAndOfArrays) {
   ASSERT_TRUE(curved.colors().has_value());
   EXPECT_NEAR(curved.colors()->range, 5, 1e-9);
   SurfaceRenderOptions look;
-  look.width = 40, look.height = 30, look.plain = true;
+  look.picture.view.width = 40, look.picture.view.height = 30, look.plain = true;
   EXPECT_EQ(curved.render(look, progress).width, 40);
   EXPECT_GT(curved.counts().hits, 0u);
   const SurfaceInVolumePictures by_array(surface, volume, {.color_by = "where:x", .sharp = true}, progress, notes);
@@ -186,27 +186,29 @@ TEST(SurfaceInVolumePicturesJob, ColoursOfCurvatureAndOfArrays) {
 TEST(VolumePicturesJob, ChoosesTheViewOfALayerAndTheTitle) {
   Progress progress;
   VolumePicturesOptions options;
-  options.look.width = 40, options.look.height = 30;
+  options.look.picture.view.width = 40, options.look.picture.view.height = 30;
   options.unit = "K";
   VolumeModel layer = model_of(with_vectors(one_block(lattice_block({20, 20, 2}, {0, 0, 0}, {1, 1, 0.001}), soft_ball)),
                                {.array = "where"});
   VolumePictures pictures(layer, options, {}, progress);
   EXPECT_EQ(pictures.look().color_title, "where (magnitude) [K]");
-  EXPECT_NE(pictures.look().view.elevation, ViewDirection().elevation);
-  EXPECT_GT(pictures.render(pictures.look().view, progress).width, 20);
+  EXPECT_NE(pictures.look().picture.view.direction.elevation, ViewDirection().elevation);
+  EXPECT_GT(pictures.render(pictures.look().picture.view.direction, progress).width, 20);
   options.any_view = false;
-  EXPECT_EQ(VolumePictures(layer, options, {}, progress).look().view.elevation, ViewDirection().elevation);
+  EXPECT_EQ(VolumePictures(layer, options, {}, progress).look().picture.view.direction.elevation,
+            ViewDirection().elevation);
 }
 
 TEST(VolumePicturesJob, BakesForQuickPicturesAndSaysWhatIsNotThere) {
   Progress progress;
   VolumeModel volume = ball_model();
   VolumePicturesOptions options;
-  options.look.width = 24, options.look.height = 18, options.baked = true, options.grid = true;
+  options.look.picture.view.width = 24, options.look.picture.view.height = 18, options.interactive = true,
+  options.grid = true;
   options.look.isos = {{.value = 40, .color = {}, .opacity = 1}};
   VolumePictures pictures(volume, options, {}, progress);
-  EXPECT_EQ(pictures.look().samples, 1);
-  pictures.render(pictures.look().view, progress);
+  EXPECT_EQ(pictures.look().picture.quality.samples, 1);
+  pictures.render(pictures.look().picture.view.direction, progress);
   ASSERT_NE(pictures.baked(), nullptr);
   EXPECT_GT(pictures.baked()->bricks, 0u);
   EXPECT_TRUE(has_note(pictures.notes(), "picture"));

@@ -23,20 +23,20 @@ constexpr int kWidth = 81;
 
 RenderOptions open_light(double reach, double bend = 0) {
   RenderOptions options;
-  options.width = options.height = kWidth;
-  options.orthographic = true;
-  options.view = {0, 90};
-  options.ground = false;
-  options.background = RenderOptions::Background::transparent;
-  options.accessibility = reach;
-  options.bend_light = bend;
+  options.view.width = options.view.height = kWidth;
+  options.view.orthographic = true;
+  options.view.direction = {0, 90};
+  options.look.ground = false;
+  options.look.background = PictureLook::Background::transparent;
+  options.look.accessibility = reach;
+  options.look.bend_light = bend;
   return options;
 }
 
 /// Light of a pixel over the surface's own colour.
 double light_at(const Image& image, const RenderOptions& options, int x, int y) {
   const Rgba& p = image.at(x, y);
-  return static_cast<double>(linear_color({p[0], p[1], p[2]}).x / linear_color(options.surface_color).x);
+  return static_cast<double>(linear_color({p[0], p[1], p[2]}).x / linear_color(options.look.surface_color).x);
 }
 
 /// The part of the unit sphere up to an angle from its lowest point, seen from within.
@@ -106,8 +106,8 @@ TEST(Accessibility, TheMiddleOfAGrooveSeesWhatItsWallsLeave) {
       groove.triangles.push_back({k, k + 3, k + 2});
     }
     RenderOptions options = open_light(1);
-    options.look_at = Vec3{0, 0, 0};
-    options.look_radius = 0.45;
+    options.view.look_at = Vec3{0, 0, 0};
+    options.view.look_radius = 0.45;
     const Image image = render_mesh(groove, options, progress);
     const double expected = 0.5 / std::hypot(0.5, static_cast<double>(h));
     EXPECT_NEAR(light_at(image, options, kWidth / 2, kWidth / 2), expected, 0.02) << h;
@@ -148,19 +148,20 @@ TEST(Accessibility, ABallBesideHidesTheSquareOfItsAngle) {
   balls.radii.insert(balls.radii.end(), second.radii.begin(), second.radii.end());
 
   SurfaceRenderOptions options;
-  static_cast<RenderOptions&>(options) = open_light(10);
-  options.view = {0, 0};
-  options.look_at = kSeen;
-  options.look_radius = 0.05;
+  options.picture = open_light(10);
+  options.picture.view.direction = {0, 0};
+  options.picture.view.look_at = kSeen;
+  options.picture.view.look_radius = 0.05;
   Progress progress;
   const TwoSpheres spheres;
   const SurfaceCaster caster(spheres, balls, {});
-  const auto light = [&](const Image& image) { return light_at(image, options, kWidth / 2, kWidth / 2); };
+  const auto light = [&](const Image& image) { return light_at(image, options.picture, kWidth / 2, kWidth / 2); };
   EXPECT_NEAR(light(render_surface(caster, balls.centers, nullptr, options, progress)), expected, 0.02) << "discs";
   options.exact_shadows = true;
   EXPECT_NEAR(light(render_surface(caster, balls.centers, nullptr, options, progress)), expected, 0.01) << "exact";
   options.exact_shadows = false;
-  EXPECT_NEAR(light(SplatPicture(cloud, {}, options).render(options, false, progress)), expected, 0.02) << "splats";
+  EXPECT_NEAR(light(SplatPicture(cloud, {}, options.picture).render(options.picture, progress)), expected, 0.02)
+      << "splats";
 }
 
 /// The same bend everywhere.
@@ -182,8 +183,8 @@ TEST(Accessibility, BendsGiveAndTakeLight) {
   for (const float bend : {-3.0f, -0.5f, 0.0f, 0.5f}) {
     const EvenBend curvature(bend);
     RenderOptions options = open_light(0.2, 0.4);
-    options.curvature = &curvature;
-    options.surface_color = {0.5f, 0.5f, 0.5f};  // far from where highlights roll off
+    options.look.curvature = &curvature;
+    options.look.surface_color = {0.5f, 0.5f, 0.5f};  // far from where highlights roll off
     const Image image = render_mesh(ball, options, progress);
     const double expected = 1 + 0.4 * 2 / std::numbers::pi * std::atan(static_cast<double>(bend) * 0.2 * diagonal);
     EXPECT_NEAR(light_at(image, options, kWidth / 2, kWidth / 2), expected, 5e-3) << bend;
@@ -196,7 +197,7 @@ TEST(Accessibility, WhatIsBentInAsFarAsCanBeIsDarkNotLit) {
   for (const float bend : {-1e30f, -std::numeric_limits<float>::infinity()}) {
     const EvenBend curvature(bend);
     RenderOptions options = open_light(0.2, 1);
-    options.curvature = &curvature;
+    options.look.curvature = &curvature;
     const Image image = render_mesh(ball, options, progress);
     EXPECT_LT(light_at(image, options, kWidth / 2, kWidth / 2), 1e-3) << bend;
   }
@@ -207,8 +208,8 @@ TEST(Accessibility, DoesNotDependOnThreads) {
   const test::Spheres sphere({1});
   const FieldCurvature curvature(sphere, 0.01);
   RenderOptions options = open_light(0.3, 0.5);
-  options.view = {20, 40};
-  options.curvature = &curvature;
+  options.view.direction = {20, 40};
+  options.look.curvature = &curvature;
   test::expect_equal_for_any_threads([&] {
     Progress progress;
     return render_mesh(half, options, progress).pixels;

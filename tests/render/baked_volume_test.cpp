@@ -149,8 +149,8 @@ TEST(BakedVolume, RefinementTendsToTheField) {
   options.tolerance = 0.005;
   BakedVolume baked(field, options, 0, progress);
   VolumePictureOptions look;
-  look.width = look.height = 64;
-  look.samples = 1;
+  look.picture.view.width = look.picture.view.height = 64;
+  look.picture.quality.samples = 1;
   look.transfer = TransferFunction{"", {{0, {0, 0, 0.4f}}, {1, {1, 0.9f, 0.4f}}}, {{0, 0}, {0.05, 0}, {1, 0.9}}};
   const auto picture = [&](const VolumeField& f) { return render_volume({&f, nullptr, nullptr, {}}, look, progress); };
   const Image direct = picture(field);

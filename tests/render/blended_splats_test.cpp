@@ -216,27 +216,27 @@ TEST(SplatLayers, WhatIsClippedIsNotThere) {
 
 RenderOptions cut_out_options() {
   RenderOptions o;
-  o.width = o.height = 80;
-  o.samples = 2;
-  o.background = RenderOptions::Background::transparent;
-  o.ground = false;
+  o.view.width = o.view.height = 80;
+  o.quality.samples = 2;
+  o.look.background = PictureLook::Background::transparent;
+  o.look.ground = false;
   return o;
 }
 
 TEST(SplatPicture, DoesNotDependOnThreads) {
   const PointSet cloud = sphere_points(3000);
   RenderOptions options = cut_out_options();
-  options.ground = true;
+  options.look.ground = true;
   test::expect_equal_for_any_threads([&] {
     Progress progress;
-    return SplatPicture(cloud, {}, options).render(options, false, progress).pixels;
+    return SplatPicture(cloud, {}, options).render(options, progress).pixels;
   });
 }
 
 TEST(SplatPicture, AlphaIsTheCoverAndItsBorderIsSmooth) {
   const RenderOptions options = cut_out_options();
   Progress progress;
-  const Image image = SplatPicture(sphere_points(3000), {}, options).render(options, false, progress);
+  const Image image = SplatPicture(sphere_points(3000), {}, options).render(options, progress);
   EXPECT_EQ(image.at(40, 40)[3], 1);
   EXPECT_EQ(image.at(1, 1)[3], 0);
   // Finer than what four rays a pixel can tell.
@@ -270,17 +270,17 @@ TEST(SplatPicture, FacesAtTheBackOfABodyDoNotStandOutAroundItsEdges) {
       }
   }
   RenderOptions options = cut_out_options();
-  options.view = {-20, 30};
-  options.shadows = false;
-  options.occlusion_rays = 0;
+  options.view.direction = {-20, 30};
+  options.look.shadows = false;
+  options.quality.occlusion_rays = 0;
   Progress progress;
-  EXPECT_EQ(dark_pixels(SplatPicture(box, {}, options).render(options, false, progress)), 0);
+  EXPECT_EQ(dark_pixels(SplatPicture(box, {}, options).render(options, progress)), 0);
   // Without a face it is no body, and the inside of the others is seen.
   std::vector<std::uint8_t> gone(box.size());
   for (std::size_t i = 0; i < gone.size(); ++i) gone[i] = box.normals[i].z > 0;
   remove_samples(box, gone);
-  options.view = {0, 0};
-  EXPECT_EQ(SplatPicture(box, {}, options).render(options, false, progress).at(40, 40)[3], 1);
+  options.view.direction = {0, 0};
+  EXPECT_EQ(SplatPicture(box, {}, options).render(options, progress).at(40, 40)[3], 1);
 }
 
 TEST(SplatPicture, WrongInputIsNamed) {

@@ -49,10 +49,10 @@ Camera from_above(float distance = 4) {
 
 RenderOptions plain(int size = kSize) {
   RenderOptions options;
-  options.width = options.height = size;
-  options.samples = 1;
-  options.occlusion_rays = 0;
-  options.shadows = options.ground = false;
+  options.view.width = options.view.height = size;
+  options.quality.samples = 1;
+  options.quality.occlusion_rays = 0;
+  options.look.shadows = options.look.ground = false;
   return options;
 }
 
@@ -241,8 +241,8 @@ TEST(TranslucentSheet, AllLayersAreFoundFrontToBack) {
 
 TEST(TranslucentSheet, PicturesLetWhatIsBehindThrough) {
   RenderOptions options = plain(48);
-  options.background = RenderOptions::Background::transparent;
-  options.view = {0, 0};
+  options.look.background = PictureLook::Background::transparent;
+  options.view.direction = {0, 0};
   const FlowSubject subject = square(2, {1, 0, 0}, {0, 1, 0}, {1, 0, 0});
   std::vector<Vec3> places;
   for (const Vec3f& p : subject.mesh.vertices) places.emplace_back(p);
@@ -255,7 +255,7 @@ TEST(TranslucentSheet, PicturesLetWhatIsBehindThrough) {
       moved.mesh.origin = {0, 0, -0.01 * k};
       surfaces.push_back(DrawnFlow(moved, options).surface(look));
     }
-    return render_surfaces(surfaces, places, true, false, options, progress);
+    return render_surfaces(surfaces, places, true, options, progress);
   };
   const auto alpha = [](const Image& image) { return static_cast<double>(image.at(24, 24)[3]); };
   EXPECT_NEAR(alpha(picture(1)), 0.3, 0.003);
@@ -297,7 +297,7 @@ TEST(SplatScene, FrontsThatDiscsCoverAreOneSheet) {
 
 TEST(SplatScene, WhatStandsBeforeThemIsSeen) {
   RenderOptions options = plain(32);
-  options.view = {0, 0};
+  options.view.direction = {0, 0};
   FlowSubject sheet = square(4, {1, 0, 0}, {0, 1, 0}, {1, 0, 0});
   sheet.mesh.colors.assign(sheet.mesh.vertices.size(), {255, 0, 0});
   TriangleMesh before = square(2, {0.5f, 0, 0}, {0, 0.5f, 0}, {}).mesh;
@@ -309,7 +309,7 @@ TEST(SplatScene, WhatStandsBeforeThemIsSeen) {
   const std::vector<PictureSurface> surfaces = {DrawnFlow(sheet, options).surface({std::nullopt, 1, true}),
                                                 surface_in_picture(before, options)};
   for (const bool translucent : {false, true}) {
-    const Image image = render_surfaces(surfaces, places, translucent, false, options, progress);
+    const Image image = render_surfaces(surfaces, places, translucent, options, progress);
     EXPECT_GT(image.at(16, 16)[1], 2 * image.at(16, 16)[0]) << translucent;
     EXPECT_GT(image.at(16, 6)[0], 2 * image.at(16, 6)[1]) << translucent;
   }
@@ -346,7 +346,7 @@ TEST(FlowPicture, IsTheSameForAnyThreads) {
             FlowLook look;
             look.opacity = opacity, look.splats = splats;
             const PictureSurface surface = DrawnFlow(subject, plain(64)).surface(look);
-            return render_surfaces({&surface, 1}, places, opacity < 1, false, plain(64), progress).pixels;
+            return render_surfaces({&surface, 1}, places, opacity < 1, plain(64), progress).pixels;
           },
           [](const auto& one, const auto& many) { EXPECT_TRUE(one == many); });
 }

@@ -90,20 +90,20 @@ struct Drawing {
 /// From above (y is up, z towards the viewer), 1 in the picture's plane being a share of its half.
 Drawing draw(const ScalarField& field, const BallUnion& balls, const CurvatureField* curvature,
              SurfaceRenderOptions options = {}) {
-  options.width = options.height = kDrawingSize;
-  options.samples = 3;
-  options.view = {0, 0};
-  options.curvature = curvature;
+  options.picture.view.width = options.picture.view.height = kDrawingSize;
+  options.picture.quality.samples = 3;
+  options.picture.view.direction = {0, 0};
+  options.picture.look.curvature = curvature;
   const SurfaceCaster caster(field, balls);
   const PictureFrame frame{{}, 2};
   std::vector<Vec3f> places;
   for (const Vec3f& p : balls.centers) places.push_back(frame.to_picture(Vec3(p)));
-  Drawing d{picture_camera(places, frame, false, options), {}};
-  options.shadows = options.ground = false;
-  options.occlusion_rays = 0;
+  Drawing d{picture_camera(places, frame, options.picture), {}};
+  options.picture.look.shadows = options.picture.look.ground = false;
+  options.picture.quality.occlusion_rays = 0;
   const SurfaceScene scene(caster, frame, d.camera, nullptr, options);
   Progress progress;
-  d.ink = line_ink(scene, d.camera, frame, options, progress);
+  d.ink = line_ink(scene, d.camera, frame, options.picture, progress);
   return d;
 }
 
@@ -118,8 +118,8 @@ TEST(LineInk, ASpheresSilhouetteIsWhereItTurnsAway) {
   const BallUnion balls = sphere_balls(3000);
   for (const bool parallel : {true, false}) {
     SurfaceRenderOptions options;
-    options.orthographic = parallel;
-    options.line_width = 2;
+    options.picture.view.orthographic = parallel;
+    options.picture.look.line_width = 2;
     const Drawing d = draw(sphere, balls, nullptr, options);
     // n · v = 0 on a circle, whose tangents from the eye make the sphere look larger.
     const double far = 2 * static_cast<double>(norm(d.camera.position)),
@@ -135,7 +135,7 @@ TEST(LineInk, ASpheresSilhouetteIsWhereItTurnsAway) {
         ink += w, mean += w * r;
       }
     EXPECT_NEAR(mean / ink, radius, 0.3);
-    EXPECT_NEAR(ink, 2 * std::numbers::pi * radius * options.line_width, 0.15 * ink);
+    EXPECT_NEAR(ink, 2 * std::numbers::pi * radius * options.picture.look.line_width, 0.15 * ink);
   }
 }
 
@@ -143,8 +143,8 @@ TEST(LineInk, CrestsOfWavesAreWhereTheFormulaHasThem) {
   const Waves waves;
   const FieldCurvature curvature(waves, 0.01);
   SurfaceRenderOptions options;
-  options.orthographic = true;
-  options.line_strength = 2;
+  options.picture.view.orthographic = true;
+  options.picture.look.line_strength = 2;
   const Drawing d = draw(waves, wave_balls(), &curvature, options);
   const double pixel = 4 * static_cast<double>(d.camera.half_width) / kDrawingSize;
   int on = 0;
@@ -168,8 +168,8 @@ TEST(LineInk, ATallRingsRidgeIsTheCircleAtItsTop) {
   const TallRing ring;
   const FieldCurvature curvature(ring, 0.01);
   SurfaceRenderOptions options;
-  options.orthographic = true;
-  options.line_strength = 5;  // it is 14.4 there
+  options.picture.view.orthographic = true;
+  options.picture.look.line_strength = 5;  // it is 14.4 there
   const Drawing d = draw(ring, ring_balls(), &curvature, options);
   const double pixel = 4 * static_cast<double>(d.camera.half_width) / kDrawingSize;
   double ink = 0, mean = 0;
@@ -181,7 +181,7 @@ TEST(LineInk, ATallRingsRidgeIsTheCircleAtItsTop) {
       ink += w, mean += w * r;
     }
   EXPECT_NEAR(mean / ink, kRing, 0.3 * pixel);
-  EXPECT_NEAR(ink * pixel, 2 * std::numbers::pi * kRing * options.line_width, 0.35 * ink * pixel);
+  EXPECT_NEAR(ink * pixel, 2 * std::numbers::pi * kRing * options.picture.look.line_width, 0.35 * ink * pixel);
 }
 
 TEST(LineInk, WhatIsEvenlyBentHasNoCrests) {
@@ -190,8 +190,8 @@ TEST(LineInk, WhatIsEvenlyBentHasNoCrests) {
   const test::Torus torus;
   const FieldCurvature of_torus(torus, 0.02);
   SurfaceRenderOptions options;
-  options.orthographic = true;
-  options.line_strength = 0.5;
+  options.picture.view.orthographic = true;
+  options.picture.look.line_strength = 0.5;
   const Drawing round = draw(sphere, sphere_balls(3000), &of_sphere, options);
   const Drawing ring = draw(torus, test::torus_balls(6000, 3), &of_torus, options);
   for (int y = 0; y < kDrawingSize; ++y)
@@ -220,13 +220,13 @@ TriangleMesh cube_mesh() {
 TEST(RenderLines, ACubesEdgesAreDrawnOnWhite) {
   const TriangleMesh cube = cube_mesh();
   RenderOptions options;
-  options.width = options.height = kDrawingSize;
-  options.view = {30, 25};
-  options.lines = RenderOptions::Lines::only;
+  options.view.width = options.view.height = kDrawingSize;
+  options.view.direction = {30, 25};
+  options.look.lines = PictureLook::Lines::only;
   Progress progress;
   const Image lines = render_mesh(cube, options, progress);
   const Subject subject = make_subject(cube, options);
-  const Camera camera = picture_camera(subject.mesh.vertices, subject.frame, false, options);
+  const Camera camera = picture_camera(subject.mesh.vertices, subject.frame, options);
   const auto pixel_of = [&](const Vec3& x) {
     const PicturePlace p = camera.seen(subject.frame.to_picture(x));
     return Vec3{(static_cast<double>(p.x) + 1) * kDrawingSize / 2, (1 - static_cast<double>(p.y)) * kDrawingSize / 2,
@@ -247,9 +247,9 @@ TEST(RenderLines, ACubesEdgesAreDrawnOnWhite) {
   EXPECT_EQ(darkness(pixel_of({0, 1, 0})), 0);
   EXPECT_EQ(darkness({3, 3, 0}), 0);
   // Over the lit surface, what is not a line stays as it was.
-  options.lines = RenderOptions::Lines::none;
+  options.look.lines = PictureLook::Lines::none;
   const Image lit = render_mesh(cube, options, progress);
-  options.lines = RenderOptions::Lines::over;
+  options.look.lines = PictureLook::Lines::over;
   const Image over = render_mesh(cube, options, progress);
   for (std::size_t i = 0; i < lit.pixels.size(); ++i)
     if (lines.pixels[i][1] == 1) EXPECT_EQ(over.pixels[i], lit.pixels[i]);

@@ -17,21 +17,21 @@ namespace {
 
 using test::brightness;
 using test::levels;
-using Background = RenderOptions::Background;
+using Background = PictureLook::Background;
 
 RenderOptions small_picture(int width = 160, int height = 120) {
   RenderOptions options;
-  options.width = width;
-  options.height = height;
-  options.samples = 2;
-  options.view = {0, 0};
+  options.view.width = width;
+  options.view.height = height;
+  options.quality.samples = 2;
+  options.view.direction = {0, 0};
   return options;
 }
 
 RenderOptions cut_out(int width = 160, int height = 120) {
   RenderOptions options = small_picture(width, height);
-  options.background = Background::transparent;
-  options.ground = false;
+  options.look.background = Background::transparent;
+  options.look.ground = false;
   return options;
 }
 
@@ -76,7 +76,7 @@ TEST(MeshPreview, SphereIsARoundDiscInTheMiddle) {
 TEST(MeshPreview, IsBrighterTowardsTheLight) {
   RenderOptions options = cut_out();
   for (const ViewDirection view : {ViewDirection{0, 0}, {150, 30}, {0, -90}}) {
-    options.view = view;
+    options.view.direction = view;
     const Image image = render_mesh(test::octasphere(4), options);
     // The key light comes from the upper left.
     EXPECT_GT(brightness(image, 65, 45), brightness(image, 95, 75) + 60);
@@ -97,19 +97,19 @@ TEST(MeshPreview, ShadesSmoothlyUnlessAskedNotTo) {
   };
   RenderOptions options = cut_out();
   const double smooth = roughness(options);
-  options.smooth = false;
+  options.look.smooth = false;
   EXPECT_GT(roughness(options), 2 * smooth);
 }
 
 TEST(MeshPreview, OcclusionDarkensHollowsOnly) {
   // The hollow between three balls.
   RenderOptions options = cut_out();
-  options.shadows = false;
+  options.look.shadows = false;
   const TriangleMesh ball = test::octasphere(4);
   TriangleMesh three = test::joined(ball, ball, {1.7f, 0, 0});
   three = test::joined(three, ball, {0.85f, 1.4f, 0});
   const auto at_middle = [&](int rays) {
-    options.occlusion_rays = rays;
+    options.quality.occlusion_rays = rays;
     const Image image = render_mesh(three, options);
     double sum = 0;
     for (int y = 62; y < 72; ++y) sum += brightness(image, 80, y);
@@ -118,7 +118,7 @@ TEST(MeshPreview, OcclusionDarkensHollowsOnly) {
   EXPECT_LT(at_middle(16), at_middle(0) - 40);
 
   const auto single = [&](int rays) {
-    options.occlusion_rays = rays;
+    options.quality.occlusion_rays = rays;
     return brightness(render_mesh(ball, options), 80, 60);
   };
   EXPECT_NEAR(single(16), single(0), 12) << "nothing blocks the light of a lone ball";
@@ -133,9 +133,9 @@ TEST(MeshPreview, CastsShadowsOnItself) {
   for (Vec3f& v : ball.vertices) v = v * 0.4f;
   const TriangleMesh scene = test::joined(wall, ball, {0, 0, 1});
   RenderOptions options = cut_out();
-  options.occlusion_rays = 0;
+  options.quality.occlusion_rays = 0;
   const auto darkest = [&](bool shadows) {
-    options.shadows = shadows;
+    options.look.shadows = shadows;
     const Image image = render_mesh(scene, options);
     double least = 765;
     // Lower right of the ball.
@@ -149,7 +149,7 @@ TEST(MeshPreview, CastsShadowsOnItself) {
 
 TEST(MeshPreview, DoesNotDependOnThreads) {
   RenderOptions options = small_picture(230, 170);
-  options.view = {35, 20};
+  options.view.direction = {35, 20};
   TriangleMesh cloud = sphere_cloud(4000);
   for (std::size_t i = 0; i < cloud.vertices.size(); ++i)
     cloud.colors.push_back({static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i / 7), 99});
@@ -170,13 +170,13 @@ TEST(MeshPreview, BackgroundsAreWhatTheySay) {
   EXPECT_EQ(image.at(159, 119)[3], 0);
   EXPECT_EQ(image.at(80, 60)[3], 1);
 
-  options.background = Background::solid;
-  options.background_color = {0.2f, 0.4f, 1.0f};
+  options.look.background = Background::solid;
+  options.look.background_color = {0.2f, 0.4f, 1.0f};
   image = render_mesh(sphere, options);
   EXPECT_EQ(levels(image.at(0, 0)), (std::array<std::uint8_t, 4>{51, 102, 255, 255}));
   EXPECT_EQ(levels(image.at(159, 60)), (std::array<std::uint8_t, 4>{51, 102, 255, 255}));
 
-  options.background = Background::gradient;
+  options.look.background = Background::gradient;
   image = render_mesh(sphere, options);
   EXPECT_EQ(image.at(0, 0)[3], 1);
   EXPECT_GT(brightness(image, 10, 60), brightness(image, 0, 0) + 15);
@@ -185,16 +185,16 @@ TEST(MeshPreview, BackgroundsAreWhatTheySay) {
 TEST(MeshPreview, GroundCatchesTheShadow) {
   const TriangleMesh sphere = test::octasphere(4);
   RenderOptions options = cut_out();
-  options.view = {0, 25};
+  options.view.direction = {0, 25};
   const double alone = Silhouette(render_mesh(sphere, options)).area;
-  options.ground = true;
+  options.look.ground = true;
   const Image image = render_mesh(sphere, options);
   const Silhouette with(image);
   EXPECT_GT(with.area, 1.02 * alone);
   EXPECT_GT(with.y, 60) << "the shadow lies below";
   EXPECT_GT(image.at(80, 112)[3], 40 / 255.0);
   EXPECT_EQ(brightness(image, 80, 112), 0) << "black that lets the rest through";
-  options.view = {0, -25};
+  options.view.direction = {0, -25};
   EXPECT_NEAR(Silhouette(render_mesh(sphere, options)).area, alone, 0.01 * alone) << "none is seen from below";
 }
 
@@ -207,8 +207,8 @@ TEST(MeshPreview, VertexColorsShow) {
   Image image = render_mesh(sphere, options);
   EXPECT_GT(image.at(60, 60)[0], 2 * image.at(60, 60)[2]);
   EXPECT_GT(image.at(100, 60)[2], 2 * image.at(100, 60)[0]);
-  options.use_colors = false;
-  options.surface_color = {0.1f, 0.8f, 0.1f};
+  options.look.use_colors = false;
+  options.look.surface_color = {0.1f, 0.8f, 0.1f};
   image = render_mesh(sphere, options);
   for (const int x : {60, 100}) EXPECT_GT(image.at(x, 60)[1], 2 * image.at(x, 60)[0]);
 }
@@ -233,7 +233,7 @@ TEST(MeshPreview, CloudsCloseToASurface) {
   EXPECT_NEAR(Silhouette(balls).area, mesh_area, 0.03 * mesh_area);
 
   // Small balls leave gaps.
-  options.point_radius = 0.004;
+  options.look.point_radius = 0.004;
   EXPECT_LT(Silhouette(render_mesh(cloud, options)).area, 0.2 * mesh_area);
 }
 
@@ -242,7 +242,7 @@ TEST(MeshPreview, DrawsASinglePoint) {
   point.vertices = {{5, 5, 5}};
   for (const std::optional<double> radius : {std::optional<double>{}, std::optional<double>{3.0}}) {
     RenderOptions options = cut_out();
-    options.point_radius = radius;
+    options.look.point_radius = radius;
     const Silhouette seen(render_mesh(point, options));
     EXPECT_GT(seen.area, 0.3 * 160 * 120);
     EXPECT_NEAR(seen.x, 80, 0.1);
@@ -297,16 +297,16 @@ TEST(MeshPreview, BadOptionsAreNamed) {
       EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
     }
   };
-  refused("width", [](RenderOptions& o) { o.width = 0; });
-  refused("height", [](RenderOptions& o) { o.height = 20000; });
-  refused("azimuth", [](RenderOptions& o) { o.view.azimuth = NAN; });
-  refused("elevation", [](RenderOptions& o) { o.view.elevation = 91; });
-  refused("field_of_view", [](RenderOptions& o) { o.field_of_view = 0; });
-  refused("background_color", [](RenderOptions& o) { o.background_color.y = 2; });
-  refused("surface_color", [](RenderOptions& o) { o.surface_color.z = -0.5f; });
-  refused("antialiasing", [](RenderOptions& o) { o.samples = 9; });
-  refused("occlusion_rays", [](RenderOptions& o) { o.occlusion_rays = -1; });
-  refused("point_radius", [](RenderOptions& o) { o.point_radius = 0; });
+  refused("width", [](RenderOptions& o) { o.view.width = 0; });
+  refused("height", [](RenderOptions& o) { o.view.height = 20000; });
+  refused("azimuth", [](RenderOptions& o) { o.view.direction.azimuth = NAN; });
+  refused("elevation", [](RenderOptions& o) { o.view.direction.elevation = 91; });
+  refused("field_of_view", [](RenderOptions& o) { o.view.field_of_view = 0; });
+  refused("background_color", [](RenderOptions& o) { o.look.background_color.y = 2; });
+  refused("surface_color", [](RenderOptions& o) { o.look.surface_color.z = -0.5f; });
+  refused("antialiasing", [](RenderOptions& o) { o.quality.samples = 9; });
+  refused("occlusion_rays", [](RenderOptions& o) { o.quality.occlusion_rays = -1; });
+  refused("point_radius", [](RenderOptions& o) { o.look.point_radius = 0; });
 }
 
 TEST(MeshPreview, CanBeCancelled) {

@@ -30,14 +30,14 @@ TriangleMesh grid_at(float z, std::uint32_t n, float half = 1) {
 
 RenderOptions line_drawing(double width) {
   RenderOptions options;
-  options.width = options.height = kSide;
-  options.samples = 4;
-  options.view = {0, 0};
-  options.background = RenderOptions::Background::transparent;
-  options.ground = options.shadows = options.smooth = false;
-  options.occlusion_rays = 0;
-  options.wireframe = RenderOptions::Wireframe::only;
-  options.wire_width = width;
+  options.view.width = options.view.height = kSide;
+  options.quality.samples = 4;
+  options.view.direction = {0, 0};
+  options.look.background = PictureLook::Background::transparent;
+  options.look.ground = options.look.shadows = options.look.smooth = false;
+  options.quality.occlusion_rays = 0;
+  options.look.wireframe = PictureLook::Wireframe::only;
+  options.look.wire_width = width;
   return options;
 }
 
@@ -54,7 +54,7 @@ TEST(MeshWires, LinesAreAsWideAsAskedFor) {
   for (const bool parallel : {false, true})
     for (const double width : {1.0, 2.0, 3.0}) {
       RenderOptions options = line_drawing(width);
-      options.orthographic = parallel;
+      options.view.orthographic = parallel;
       // 3 inner lines each way, 4 diagonals' length of 4 in all times 2√2, and the rim.
       const double length = kPerLength * (2 * 3 * 2 + 4 * 2 * std::sqrt(2.0) + 4 * 2);
       EXPECT_NEAR(inked(render_mesh(grid_at(0, 4), options)) / length, width, 0.12 * width) << parallel << width;
@@ -67,8 +67,8 @@ TEST(MeshWires, LinesFarAwayAreAsWideAsNearOnes) {
   kite.vertices = {{0, 0, 0}, {0, 0, -30}, {-8, 0, -15}, {8, 0, -15}};
   kite.triangles = {{0, 3, 1}, {0, 1, 2}};
   RenderOptions options = line_drawing(2);
-  options.view = {0, 25};
-  options.field_of_view = 70;
+  options.view.direction = {0, 25};
+  options.view.field_of_view = 70;
   const Image image = render_mesh(kite, options);
   const auto across = [&](int y, int half) {
     double sum = 0;
@@ -87,24 +87,25 @@ TEST(MeshWires, WhatTheSurfaceHidesIsNotDrawn) {
   TriangleMesh front = grid_at(0, 1);
   const TriangleMesh both = test::joined(front, grid_at(-0.2f, 6, 0.3f), {0.5f, -0.5f, 0});
   RenderOptions options = line_drawing(1);
-  options.orthographic = true;
+  options.view.orthographic = true;
   EXPECT_EQ(inked(render_mesh(both, options)), inked(render_mesh(front, options)));
-  options.view = {180, 0};
+  options.view.direction = {180, 0};
   EXPECT_GT(inked(render_mesh(both, options)), inked(render_mesh(front, options)) + 300);
 }
 
 TEST(MeshWires, StandOnTheShadedSurface) {
   RenderOptions options = line_drawing(2);
-  options.wireframe = RenderOptions::Wireframe::over;
-  options.wire_color = {0, 0, 0};
-  options.orthographic = true;
+  options.look.wireframe = PictureLook::Wireframe::over;
+  options.look.wire_color = {0, 0, 0};
+  options.view.orthographic = true;
   const Image image = render_mesh(grid_at(0, 2), options);
   const int middle = kSide / 2, quarter = static_cast<int>(0.5 * kPerLength);
   EXPECT_LT(image.at(middle, middle - quarter)[1], 0.1f) << "on a line";
   EXPECT_EQ(image.at(middle, middle - quarter)[3], 1);
   EXPECT_GT(image.at(middle + quarter / 2, middle - 3 * quarter / 2)[1], 0.5f) << "beside them";
   const RenderOptions usual;
-  options.wireframe = usual.wireframe, options.wire_width = usual.wire_width, options.wire_color = usual.wire_color;
+  options.look.wireframe = usual.look.wireframe, options.look.wire_width = usual.look.wire_width,
+  options.look.wire_color = usual.look.wire_color;
   EXPECT_GT(render_mesh(grid_at(0, 2), options).at(middle, middle - quarter)[1], 0.5f);
 }
 

@@ -134,8 +134,8 @@ TEST(PictureNotes, BarOfOneValueSaysIt) {
 TEST(PictureNotes, StandAroundTheVolumeAndLeaveItAlone) {
   const test::FormulaVolume field = test::constant_volume(0.5);
   VolumePictureOptions options;
-  options.width = 220, options.height = 200, options.samples = 1;
-  options.background = RenderOptions::Background::solid;
+  options.picture.view.width = 220, options.picture.view.height = 200, options.picture.quality.samples = 1;
+  options.picture.look.background = PictureLook::Background::solid;
   options.transfer = TransferFunction{"", {{0, {1, 0, 0}}, {1, {1, 0, 0}}}, {{0, 0.99}, {1, 0.99}}};
   options.shading = false;
   Progress progress;
@@ -225,11 +225,11 @@ TEST(ScaleBar, CanBeReadOnLinesAndEdges) {
 
 TEST(PictureNotes, WhatReachesTheEdgeDoesNotGoOnBesideThePicture) {
   RenderOptions options;
-  options.width = 60, options.height = 120;
+  options.view.width = 60, options.view.height = 120;
   const Image red(60, 120, Rgba{1, 0, 0, 1});
   const std::vector<LegendEntry> some = {{{0, 0, 1}, "a"}};
   for (const bool clear : {false, true}) {
-    if (clear) options.background = RenderOptions::Background::transparent;
+    if (clear) options.look.background = PictureLook::Background::transparent;
     const Image paper = paper_beside(options);
     const Image list = beside_legend(red, some, &paper);
     ASSERT_GT(list.width, 60);

@@ -27,12 +27,12 @@ const Vec3 kNear{-2, 0, 0}, kFar{2, 0.5, -6};
 
 RenderOptions front_view() {
   RenderOptions options;
-  options.width = kPictureWidth, options.height = kPictureHeight;
-  options.samples = 2;
-  options.view = {0, 0};
-  options.background = RenderOptions::Background::transparent;
-  options.ground = options.shadows = false;
-  options.occlusion_rays = 0;
+  options.view.width = kPictureWidth, options.view.height = kPictureHeight;
+  options.quality.samples = 2;
+  options.view.direction = {0, 0};
+  options.look.background = PictureLook::Background::transparent;
+  options.look.ground = options.look.shadows = false;
+  options.quality.occlusion_rays = 0;
   return options;
 }
 
@@ -68,7 +68,7 @@ std::vector<std::pair<std::string, Draw>> all_kinds() {
       points.normals[v] = Vec3f(from_ball(Vec3(points.vertices[v])));
     points.triangles.clear();
     RenderOptions own = o;
-    own.point_radius = 0.08;
+    own.look.point_radius = 0.08;
     return render_mesh(points, own);
   };
   const auto surface = [](const RenderOptions& o) {
@@ -77,7 +77,7 @@ std::vector<std::pair<std::string, Draw>> all_kinds() {
     balls.centers = ball_meshes().vertices;
     balls.radii.assign(balls.centers.size(), 0.3f);
     SurfaceRenderOptions own;
-    static_cast<RenderOptions&>(own) = o;
+    own.picture = o;
     Progress progress;
     return render_surface(SurfaceCaster(field, balls), balls.centers, nullptr, own, progress);
   };
@@ -86,7 +86,7 @@ std::vector<std::pair<std::string, Draw>> all_kinds() {
     field.value = to_balls, field.gradient = from_ball;
     field.box = {{-4, -2, -8}, {4, 2, 2}};
     VolumePictureOptions own;
-    static_cast<RenderOptions&>(own) = o;
+    own.picture = o;
     own.opacity_factor = 0, own.clip_faces = false;
     own.isos = {{0, Vec3f{1, 1, 1}, 1}};
     own.transfer = TransferFunction{{}, {{-1, {}}, {8, {}}}, {{-1, 0}, {8, 0}}};
@@ -102,7 +102,7 @@ std::vector<std::pair<std::string, Draw>> all_kinds() {
     std::vector<Vec3> places;
     for (const Vec3f& p : ball_meshes().vertices) places.emplace_back(p);
     Progress progress;
-    return render_surfaces(both, places, false, false, o, progress);
+    return render_surfaces(both, places, false, o, progress);
   };
   return {{"mesh", mesh}, {"cloud", cloud}, {"surface", surface}, {"volume", volume}, {"objects", objects}};
 }
@@ -126,7 +126,7 @@ TEST(PictureView, OrthographicSizesDoNotDependOnTheDepth) {
     RenderOptions options = front_view();
     const Image deep = draw(options);
     EXPECT_GT(Spot(deep, 0, kPictureWidth / 2).area, 1.3 * Spot(deep, kPictureWidth / 2).area);
-    options.orthographic = true;
+    options.view.orthographic = true;
     const Image flat = draw(options);
     const Spot near(flat, 0, kPictureWidth / 2), far(flat, kPictureWidth / 2);
     EXPECT_GT(near.area, 200);
@@ -144,16 +144,16 @@ TEST(PictureView, ThePlaceLookedAtIsInTheMiddle) {
     for (const bool parallel : {false, true}) {
       SCOPED_TRACE(name + (parallel ? ", orthographic" : ""));
       RenderOptions options = front_view();
-      options.orthographic = parallel;
-      options.look_at = kFar;
-      options.zoom = 2.5;  // the other one is out of sight
+      options.view.orthographic = parallel;
+      options.view.look_at = kFar;
+      options.view.zoom = 2.5;  // the other one is out of sight
       const Spot far(draw(options));
       EXPECT_NEAR(far.x, kPictureWidth / 2.0, 1);
       EXPECT_NEAR(far.y, kPictureHeight / 2.0, 1);
-      options.zoom = 0.4;
-      options.clip_box = Box3{kFar - Vec3{2, 2, 2}, kFar + Vec3{2, 2, 2}};
+      options.view.zoom = 0.4;
+      options.view.clip_box = Box3{kFar - Vec3{2, 2, 2}, kFar + Vec3{2, 2, 2}};
       const Image alone = draw(options);
-      options.zoom = 0.8;
+      options.view.zoom = 0.8;
       EXPECT_NEAR(Spot(draw(options)).area / Spot(alone).area, 4, 0.12) << "twice as large";
     }
 }
@@ -164,9 +164,9 @@ TEST(PictureView, ABallAroundThePlaceFillsThePicture) {
     for (const bool parallel : {false, true}) {
       SCOPED_TRACE(name + (parallel ? ", orthographic" : ""));
       RenderOptions options = front_view();
-      options.orthographic = parallel;
-      options.look_at = kFar;
-      options.look_radius = 1.0;
+      options.view.orthographic = parallel;
+      options.view.look_at = kFar;
+      options.view.look_radius = 1.0;
       const PixelBox seen = picture_content(draw(options), options, 0);
       EXPECT_NEAR(seen.height, kPictureHeight * (1 - 0.13), 3);
       EXPECT_NEAR(seen.top, 0.065 * kPictureHeight, 2);
@@ -177,19 +177,19 @@ TEST(PictureView, OnlyWhatLiesInTheBoxIsShown) {
   for (const auto& [name, draw] : all_kinds()) {
     SCOPED_TRACE(name);
     RenderOptions options = front_view();
-    options.orthographic = true;
-    options.look_at = Vec3{0, 0.25, -3};
-    options.look_radius = 4.0;  // the same scale whatever the box
+    options.view.orthographic = true;
+    options.view.look_at = Vec3{0, 0.25, -3};
+    options.view.look_radius = 4.0;  // the same scale whatever the box
     // Of the nearer ball its left half, of the other one nothing.
-    options.clip_box = Box3{{-4, -3, -3}, {kNear.x, 3, 3}};
+    options.view.clip_box = Box3{{-4, -3, -3}, {kNear.x, 3, 3}};
     const Spot half(draw(options));
-    options.clip_box = Box3{{-4, -3, -3}, {0, 3, 3}};
+    options.view.clip_box = Box3{{-4, -3, -3}, {0, 3, 3}};
     const Image near = draw(options);
     const Spot whole(near);
     EXPECT_GT(whole.area, 200);
     EXPECT_NEAR(half.area / whole.area, 0.5, 0.03);
     for (int v = 0; v < near.height; ++v) ASSERT_EQ(near.at(kPictureWidth * 3 / 4, v)[3], 0) << "the ball on the right";
-    options.clip_box = Box3{{100, 100, 100}, {101, 101, 101}};
+    options.view.clip_box = Box3{{100, 100, 100}, {101, 101, 101}};
     EXPECT_THROW(draw(options), ArgumentError);
   }
 }
@@ -199,7 +199,7 @@ TEST(PictureView, ABoxAsLargeAsTheVolumeCutsNothing) {
   field.value = to_balls, field.gradient = from_ball;
   field.box = {{-4, -2, -8}, {4, 2, 2}};
   VolumePictureOptions options;
-  static_cast<RenderOptions&>(options) = front_view();
+  options.picture = front_view();
   options.isos = {{0, Vec3f{1, 1, 1}, 1}};
   options.opacity_factor = 0;
   options.transfer = TransferFunction{{}, {{-1, {}}, {8, {}}}, {{-1, 0}, {8, 1}}};
@@ -207,7 +207,7 @@ TEST(PictureView, ABoxAsLargeAsTheVolumeCutsNothing) {
   subject.field = &field;
   Progress progress;
   const Image whole = render_volume(subject, options, progress);
-  options.clip_box = field.box;
+  options.picture.view.clip_box = field.box;
   EXPECT_TRUE(render_volume(subject, options, progress).pixels == whole.pixels);
 }
 
@@ -215,9 +215,9 @@ TEST(PictureView, WhatIsCutOpenShowsItsInside) {
   // The front of the nearer ball is cut off: what is seen is the inside of its back, farther away.
   TriangleMesh ball = test::octasphere(4);
   RenderOptions options = front_view();
-  options.orthographic = true;
+  options.view.orthographic = true;
   const Image whole = render_mesh(ball, options);
-  options.clip_box = Box3{{-2, -2, -2}, {2, 2, 0}};
+  options.view.clip_box = Box3{{-2, -2, -2}, {2, 2, 0}};
   const Image back = render_mesh(ball, options);
   const Spot a(whole), b(back);
   EXPECT_NEAR(a.area, b.area, 0.02 * a.area);
@@ -238,9 +238,9 @@ TEST(PictureView, ViewsFromADirectionLookAgainstIt) {
 
 TEST(PictureView, IsTheSameForAnyThreads) {
   RenderOptions options = front_view();
-  options.orthographic = options.ground = options.shadows = true;
-  options.view = {35, 20};
-  options.clip_box = Box3{{-4, -0.5, -9}, {4, 3, 3}};
+  options.view.orthographic = options.look.ground = options.look.shadows = true;
+  options.view.direction = {35, 20};
+  options.view.clip_box = Box3{{-4, -0.5, -9}, {4, 3, 3}};
   for (const auto& [name, draw] : all_kinds()) {
     SCOPED_TRACE(name);
     test::expect_equal_for_any_threads([&] { return draw(options).pixels; });
@@ -253,11 +253,11 @@ TEST(PictureView, BadOnesAreNamed) {
     change(options);
     EXPECT_THROW(options.validate(), ArgumentError);
   };
-  fails([](RenderOptions& o) { o.zoom = 0; });
-  fails([](RenderOptions& o) { o.look_radius = 1.0; });
-  fails([](RenderOptions& o) { o.scale_bar = "mm"; });
-  fails([](RenderOptions& o) { o.look_at = Vec3{NAN, 0, 0}; });
-  fails([](RenderOptions& o) { o.clip_box = Box3{{0, 0, 0}, {1, 0, 1}}; });
+  fails([](RenderOptions& o) { o.view.zoom = 0; });
+  fails([](RenderOptions& o) { o.view.look_radius = 1.0; });
+  fails([](RenderOptions& o) { o.annotation.scale_bar = "mm"; });
+  fails([](RenderOptions& o) { o.view.look_at = Vec3{NAN, 0, 0}; });
+  fails([](RenderOptions& o) { o.view.clip_box = Box3{{0, 0, 0}, {1, 0, 1}}; });
 }
 
 // Of open scans the other side is seen, too.
@@ -275,12 +275,12 @@ TEST(CloudPicture, IsLitFromBehindAsSheetsAre) {
 
 TEST(PictureCrop, ContentIsFoundOnAnyBackground) {
   TriangleMesh ball = test::octasphere(4);
-  for (const auto background : {RenderOptions::Background::gradient, RenderOptions::Background::solid,
-                                RenderOptions::Background::transparent}) {
+  for (const auto background :
+       {PictureLook::Background::gradient, PictureLook::Background::solid, PictureLook::Background::transparent}) {
     RenderOptions options = front_view();
-    options.background = background;
-    options.background_color = {0, 0, 0};
-    options.orthographic = true;
+    options.look.background = background;
+    options.look.background_color = {0, 0, 0};
+    options.view.orthographic = true;
     const Image image = render_mesh(ball, options);
     const PixelBox box = picture_content(image, options, 0);
     EXPECT_NEAR(box.width, 0.87 * kPictureHeight, 2);
@@ -298,11 +298,11 @@ TEST(PictureCrop, ContentIsFoundOnAnyBackground) {
 TEST(ViewOptions, ANamedViewGoesBeforeAngles) {
   ViewOptions options{.azimuth = 10.0, .z_up = true};
   RenderOptions look;
-  EXPECT_EQ(options.applied_to(look).view.azimuth, 10);
-  EXPECT_EQ(options.applied_to(look).view.elevation, look.view.elevation);
-  EXPECT_EQ(options.applied_to(look).up, UpAxis::z);
+  EXPECT_EQ(options.applied_to(look).view.direction.azimuth, 10);
+  EXPECT_EQ(options.applied_to(look).view.direction.elevation, look.view.direction.elevation);
+  EXPECT_EQ(options.applied_to(look).view.up, UpAxis::z);
   options.view = NamedView::back;
-  EXPECT_EQ(options.applied_to(look).view.azimuth, 180);
+  EXPECT_EQ(options.applied_to(look).view.direction.azimuth, 180);
   EXPECT_TRUE(options.has_direction());
   EXPECT_FALSE(ViewOptions{}.has_direction());
 }
@@ -317,7 +317,7 @@ TEST(ViewOptions, CropIsABoxOrWhatIsNotBackground) {
   for (const char* text : {"1,2,3", "1,2,3,4,5", "1,2,0,4", "-1,2,3,4", "1,2,3,4x", "all", ""})
     EXPECT_THROW(option_of_text(text, crop), ArgumentError) << text;
   RenderOptions look;
-  look.width = 40, look.height = 30;
+  look.view.width = 40, look.view.height = 30;
   const ViewOptions content{.crop = PictureCrop{}}, box{.crop = PictureCrop{PixelBox{5, 5, 10, 8}}};
   EXPECT_NO_THROW(content.check_frames(false));
   EXPECT_THROW(content.check_frames(true), ArgumentError);

@@ -21,22 +21,22 @@ namespace sansmesh::inline v1 {
 namespace {
 
 using test::brightness;
-using Background = RenderOptions::Background;
+using Background = PictureLook::Background;
 
 SurfaceRenderOptions small_surface_picture() {
   SurfaceRenderOptions options;
-  options.width = 96;
-  options.height = 72;
-  options.samples = 2;
-  options.view = {0, 0};
-  options.ground = false;
+  options.picture.view.width = 96;
+  options.picture.view.height = 72;
+  options.picture.quality.samples = 2;
+  options.picture.view.direction = {0, 0};
+  options.picture.look.ground = false;
   return options;
 }
 
 SurfaceRenderOptions clear_picture() {
   SurfaceRenderOptions options = small_surface_picture();
-  options.shadows = false;
-  options.occlusion_rays = 0;
+  options.picture.look.shadows = false;
+  options.picture.quality.occlusion_rays = 0;
   options.transmission = 1;
   return options;
 }
@@ -111,9 +111,9 @@ TEST(SurfacePicture, DoesNotDependOnThreads) {
   const test::Torus torus;
   const BallUnion balls = test::torus_balls(10000);
   SurfaceRenderOptions options = small_surface_picture();
-  options.ground = true;
-  options.up = UpAxis::z;
-  options.view = {30, 35};
+  options.picture.look.ground = true;
+  options.picture.view.up = UpAxis::z;
+  options.picture.view.direction = {30, 35};
   options.reflection = 0.4;
   options.transmission = 0.3;
   test::expect_equal_for_any_threads([&] { return render(SurfaceCaster(torus, balls), options).pixels; });
@@ -124,13 +124,13 @@ TEST(SurfacePicture, GlassThatDoesNotRefractIsNotSeen) {
   const SurfaceCaster caster(sphere, test::sphere_balls(8000));
   SurfaceRenderOptions options = clear_picture();
   options.refraction_index = 1;
-  options.background = Background::solid;
-  options.background_color = {0.9f, 0.5f, 0.25f};
+  options.picture.look.background = Background::solid;
+  options.picture.look.background_color = {0.9f, 0.5f, 0.25f};
   const Image image = render(caster, options);
   for (const auto& p : image.pixels)
     for (int k = 0; k < 3; ++k) ASSERT_NEAR(p[k], image.pixels[0][k], 1 / 255.0);
   // The wide gradient, too: neighbours along the rim of the sphere differ by no more than elsewhere.
-  options.background = Background::gradient;
+  options.picture.look.background = Background::gradient;
   const Image wide = render(caster, options);
   for (int y = 1; y < wide.height; ++y)
     for (int x = 1; x < wide.width; ++x) {
@@ -161,9 +161,9 @@ TEST(SurfacePicture, MirrorsShowWhatTheyShould) {
   const BallUnion balls = test::sphere_balls(20000);
   const SurfaceCaster caster(sphere, balls);
   SurfaceRenderOptions options = small_surface_picture();
-  options.samples = 1;
-  options.shadows = false;
-  options.occlusion_rays = 0;
+  options.picture.quality.samples = 1;
+  options.picture.look.shadows = false;
+  options.picture.quality.occlusion_rays = 0;
   options.reflection = 1;
   options.environment = [](const Vec3f& d) { return Vec3f{0.5f, 0.5f, 0.5f} + d * 0.5f; };
   const Image image = render(caster, options);
@@ -172,8 +172,8 @@ TEST(SurfacePicture, MirrorsShowWhatTheyShould) {
   for (const Vec3f& p : balls.centers) box.extend(p);
   std::vector<Vec3f> placed;
   for (const Vec3f& p : balls.centers) placed.push_back((p - box.center()) / box.diagonal());
-  const Camera camera =
-      frame_camera(placed, options.view, options.up, options.field_of_view, 96.0 / 72, kPictureMargin);
+  const Camera camera = frame_camera(placed, options.picture.view.direction, options.picture.view.up,
+                                     options.picture.view.field_of_view, 96.0 / 72, kPictureMargin);
   const Lighting lighting(camera);
   int checked = 0;
   for (int y = 0; y < image.height; ++y)
@@ -205,8 +205,8 @@ TEST(SurfacePicture, MirrorsShowOtherParts) {
   }
   const SurfaceCaster alone(shell, inner), in_bowl(shell, both);
   SurfaceRenderOptions options = small_surface_picture();
-  options.shadows = false;
-  options.occlusion_rays = 0;
+  options.picture.look.shadows = false;
+  options.picture.quality.occlusion_rays = 0;
   options.reflection = 0.5;
   options.environment = [](const Vec3f&) { return Vec3f{}; };
   Progress progress;
@@ -231,8 +231,8 @@ TEST(SurfacePicture, ShowsColors) {
   Image image = render(caster, options, &colors);
   EXPECT_GT(image.at(38, 36)[0], 2 * image.at(38, 36)[2]);
   EXPECT_GT(image.at(58, 36)[2], 2 * image.at(58, 36)[0]);
-  options.use_colors = false;
-  options.surface_color = {0.1f, 0.8f, 0.1f};
+  options.picture.look.use_colors = false;
+  options.picture.look.surface_color = {0.1f, 0.8f, 0.1f};
   image = render(caster, options, &colors);
   EXPECT_GT(image.at(38, 36)[1], 2 * image.at(38, 36)[0]);
 }
@@ -247,7 +247,7 @@ TEST(SurfacePicture, OpenSurfacesAreLitFromBehindToo) {
   }
   const SurfaceCaster caster(sphere, balls);
   SurfaceRenderOptions options = small_surface_picture();
-  options.background = Background::transparent;
+  options.picture.look.background = Background::transparent;
   const Image image = render(caster, options);
   EXPECT_GT(covered(image), 1000);
   EXPECT_GT(brightness(image, 48, 36), 250);
@@ -257,15 +257,15 @@ TEST(SurfacePicture, ShadowsOfDiscsAreLikeThoseOfTheSurface) {
   const test::Torus torus;
   const SurfaceCaster caster(torus, test::torus_balls(20000));
   SurfaceRenderOptions options = small_surface_picture();
-  options.up = UpAxis::z;
-  options.view = {20, 25};
-  options.ground = true;
+  options.picture.view.up = UpAxis::z;
+  options.picture.view.direction = {20, 25};
+  options.picture.look.ground = true;
   const Image quick = render(caster, options);
   options.exact_shadows = true;
   const Image exact = render(caster, options);
-  options.shadows = false;
-  options.occlusion_rays = 0;
-  options.ground = false;
+  options.picture.look.shadows = false;
+  options.picture.quality.occlusion_rays = 0;
+  options.picture.look.ground = false;
   const Image none = render(caster, options);
   double off = 0, all = 0;
   for (std::size_t i = 0; i < exact.pixels.size(); ++i) {
@@ -274,7 +274,7 @@ TEST(SurfacePicture, ShadowsOfDiscsAreLikeThoseOfTheSurface) {
   }
   EXPECT_LT(off, 0.15 * all);
   // The same silhouette in all cases.
-  options.background = Background::transparent;
+  options.picture.look.background = Background::transparent;
   const int pixels = covered(render(caster, options));
   options.plain = true;
   EXPECT_NEAR(covered(render(caster, options)), pixels, 0.03 * pixels);
@@ -287,10 +287,10 @@ TEST(SurfacePicture, SteadyViewsDoNotZoom) {
   points.push_back({-1, 0, 0});
   points.push_back({1, 0, 0});
   SurfaceRenderOptions options = small_surface_picture();
-  options.background = Background::transparent;
+  options.picture.look.background = Background::transparent;
   const auto area = [&](double azimuth, bool steady) {
-    options.view.azimuth = azimuth;
-    options.steady = steady;
+    options.picture.view.direction.azimuth = azimuth;
+    options.picture.view.steady = steady;
     Progress progress;
     return covered(render_surface(caster, points, nullptr, options, progress));
   };
@@ -311,7 +311,7 @@ TEST(SurfacePicture, RefusesBadOptions) {
       EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
     }
   };
-  refused("width", [](auto& o) { o.width = 0; });
+  refused("width", [](auto& o) { o.picture.view.width = 0; });
   refused("reflection", [](auto& o) { o.reflection = -0.1; });
   refused("transmission", [](auto& o) { o.transmission = 1.1; });
   refused("`reflection` + `transmission`", [](auto& o) { o.transmission = o.reflection = 0.6; });

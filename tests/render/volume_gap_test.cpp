@@ -39,7 +39,7 @@ FormulaGap slab(const Vec3& n, double at, double half) {
 
 VolumePictureOptions gap_pixel(double opacity, double length) {
   VolumePictureOptions options;
-  options.width = options.height = options.samples = 1;
+  options.picture.view.width = options.picture.view.height = options.picture.quality.samples = 1;
   TransferFunction f;
   f.colors = {{0, {1, 0, 0}}, {1, {0, 0, 1}}};
   f.opacities = {{0, opacity}, {1, opacity}};

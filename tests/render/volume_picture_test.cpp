@@ -50,7 +50,7 @@ Camera one_ray(const Vec3& from, const Vec3& direction) {
 
 VolumePictureOptions one_pixel(const TransferFunction& transfer) {
   VolumePictureOptions options;
-  options.width = options.height = options.samples = 1;
+  options.picture.view.width = options.picture.view.height = options.picture.quality.samples = 1;
   options.transfer = transfer;
   options.shading = false;
   options.least_light = 0;
@@ -69,9 +69,9 @@ std::array<float, 4> along(const VolumeSubject& subject, const VolumePictureOpti
 
 VolumePictureOptions small_volume_picture(int size = 48) {
   VolumePictureOptions options;
-  options.width = options.height = size;
-  options.samples = 1;
-  options.background = RenderOptions::Background::transparent;
+  options.picture.view.width = options.picture.view.height = size;
+  options.picture.quality.samples = 1;
+  options.picture.look.background = PictureLook::Background::transparent;
   return options;
 }
 
@@ -226,9 +226,9 @@ TEST(VolumePicture, IsoSurfaceLooksLikeTheSurfaceItself) {
   options.transfer = fog(0, 1);
   options.opacity_factor = 0;
   VolumePictureOptions with_iso = options;
-  with_iso.isos = {{0.4, options.surface_color, 1}};
+  with_iso.isos = {{0.4, options.picture.look.surface_color, 1}};
   const Image iso = picture_of({&field, nullptr, nullptr, {}}, with_iso);
-  const Image mesh = picture_of({&nothing, nullptr, nullptr, {surface_in_picture(sphere, options)}}, options);
+  const Image mesh = picture_of({&nothing, nullptr, nullptr, {surface_in_picture(sphere, options.picture)}}, options);
   double most = 0;
   std::size_t both = 0, one = 0;
   for (std::size_t i = 0; i < iso.pixels.size(); ++i) {
@@ -248,7 +248,7 @@ TEST(VolumePicture, SurfacesHideWhatIsBehindThem) {
   const FormulaVolume field = constant_volume(0.5);
   TriangleMesh wall = box_surface({0.1, 0.1, 0.4}, {0.9, 0.9, 0.5});
   VolumePictureOptions options = one_pixel(fog(0.3, 0.1, {0, 0, 0}));
-  VolumeSubject subject{&field, nullptr, nullptr, {surface_in_picture(wall, options)}};
+  VolumeSubject subject{&field, nullptr, nullptr, {surface_in_picture(wall, options.picture)}};
   VolumePictureOptions clear = options;
   clear.opacity_factor = 0;
   const Vec3 a{0.5, 0.5, 0}, b{0.5, 0.5, 1};
@@ -267,7 +267,7 @@ TEST(VolumePicture, TranslucentSheetsAreSeenInTheirOrder) {
     subject.mesh.vertices = {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}};
     subject.mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
     subject.vectors.resize(4);
-    return DrawnFlow(subject, options).surface({std::nullopt, opacity, false});
+    return DrawnFlow(subject, options.picture).surface({std::nullopt, opacity, false});
   };
   const Vec3 a{0.5, 0.5, 0}, b{0.5, 0.5, 1};
   VolumePictureOptions clear = options;
@@ -501,9 +501,9 @@ TEST(VolumePicture, TurnsWithFieldAndCamera) {
   const FormulaVolume field = blobs(false), turned = blobs(true);
   VolumePictureOptions options = blob_picture();
   const Image a = picture_of({&field, nullptr, nullptr, {}}, options);
-  options.view.azimuth -= 90;  // the turned one has in −x what this has in z
+  options.picture.view.direction.azimuth -= 90;  // the turned one has in −x what this has in z
   const Image b = picture_of({&turned, nullptr, nullptr, {}}, options);
-  options.view.azimuth += 180;
+  options.picture.view.direction.azimuth += 180;
   const Image c = picture_of({&turned, nullptr, nullptr, {}}, options);
   const double d = std::min(differences(a, b).second, differences(a, c).second);
   EXPECT_LT(d, 1.5);
@@ -546,7 +546,7 @@ TEST(VolumePicture, SameForAnyThreads) {
   const FormulaVolume field = blobs(false);
   const TriangleMesh boundary = box_surface({0, 0, 0}, {1, 1, 1});
   VolumePictureOptions options = blob_picture(72);
-  options.samples = 2;
+  options.picture.quality.samples = 2;
   options.clips = {volume_cut_of("x>0.62")};
   test::expect_equal_for_any_threads([&] { return picture_of({&field, nullptr, &boundary, {}}, options).pixels; });
 }
@@ -611,7 +611,7 @@ TEST(VolumePicture, FineEdgesTakeSeveralRays) {
     return count;
   };
   EXPECT_EQ(soft(picture_of({&field, nullptr, nullptr, {}}, options)), 0u);
-  options.samples = 3;
+  options.picture.quality.samples = 3;
   EXPECT_GT(soft(picture_of({&field, nullptr, nullptr, {}}, options)), 60u);
 }
 

@@ -258,7 +258,8 @@ TEST_P(EverySurface, IsShownAndSampled) {
     Progress progress;
     const SurfaceModel model = make_surface_model(cloud, options, progress);
     SurfaceRenderOptions picture;
-    picture.width = 90, picture.height = 70, picture.samples = 1, picture.reflection = 0.3;
+    picture.picture.view.width = 90, picture.picture.view.height = 70, picture.picture.quality.samples = 1,
+    picture.reflection = 0.3;
     SurfaceCastOptions cast;
     cast.normals = model.normals();
     const SurfaceCaster caster = model.projection() ? SurfaceCaster(*model.projection(), model.balls(), cast)
@@ -306,7 +307,7 @@ TEST(EveryRoom, PicturesArePainted) {
   const TriangleMesh& mesh = torus_mesh();
   test::expect_equal_for_any_threads([&] {
     RenderOptions options;
-    options.width = 200, options.height = 150;
+    options.view.width = 200, options.view.height = 150;
     TriangleMesh cloud = mesh;
     cloud.triangles.clear();
     return Findings() << render_mesh(mesh, options) << render_mesh(cloud, options);
