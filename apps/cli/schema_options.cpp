@@ -175,8 +175,11 @@ void in_words_of_the_line(const std::function<void()>& call) {
 }
 
 void name_flags(CommandLine& command) {
-  for (const auto& option : command.options())
+  for (const auto& option : command.options()) {
     if (option->row) option->what = in_flags(option->what, command);
+    // Not where another option is called so.
+    std::erase_if(option->old_names, [&](const std::string& old) { return command.find(old) != option.get(); });
+  }
 }
 
 }  // namespace sansmesh::cli
