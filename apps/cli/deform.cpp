@@ -1,5 +1,5 @@
 // sansmesh deform: anything by handles, or by a map of displacements.
-#include "sansmesh/jobs/deform_things.h"
+#include "sansmesh/jobs/deform.h"
 
 #include <fmt/core.h>
 
@@ -145,7 +145,7 @@ Deformed deform_cloud(const DeformArguments& a, const Deformation& deformation, 
   const DeformReport& r = d.result.report;
   d.lines.push_back(mesh ? fmt::format("{}, {} {}{}", counted(r.triangles, "triangle"), grouped(r.vertices),
                                        r.vertices == 1 ? "vertex" : "vertices",
-                                       r.mesh.added > 0 ? fmt::format(" ({} added)", grouped(r.mesh.added)) : "")
+                                       r.added > 0 ? fmt::format(" ({} added)", grouped(r.added)) : "")
                          : counted(r.vertices, "point"));
   if (mesh && cut)
     d.lines.push_back(r.cut.edges == 0 ? "no cut reaches it"
@@ -153,9 +153,9 @@ Deformed deform_cloud(const DeformArguments& a, const Deformation& deformation, 
                                                      counted(r.cut.faces, "triangle")));
   d.output = {{"vertices", r.vertices},
               {"triangles", r.triangles},
-              {"added", r.mesh.added},
-              {"turned", r.mesh.turned},
-              {"undefined", r.mesh.undefined}};
+              {"added", r.added},
+              {"turned", r.turned},
+              {"undefined", r.undefined}};
   if (cut)
     d.output["cut"] = {
         {"edges", r.cut.edges}, {"faces", r.cut.faces}, {"unopened", r.cut.unopened}, {"unclosed", r.cut.unclosed}};

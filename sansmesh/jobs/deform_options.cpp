@@ -2,7 +2,7 @@
 #include <span>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/deform_things.h"
+#include "sansmesh/jobs/deform.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/deform_things.h"
+#include "sansmesh/jobs/deform.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/picture_surfaces.h"

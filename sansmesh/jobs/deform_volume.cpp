@@ -17,6 +17,7 @@
 #include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
+#include "sansmesh/mesh/deformed_mesh.h"
 #include "sansmesh/mesh/refine_edges.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/value_histogram.h"

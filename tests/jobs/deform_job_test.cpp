@@ -13,7 +13,7 @@
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/deform.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/deform_things.h"
+#include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/mesh_shapes.h"
@@ -175,7 +175,7 @@ TEST(DeformJob, MeshesAreRefinedAndOpenedAlongCuts) {
   const DeformReport plain = deform(mesh, "m", bent, DeformAim::shape, {}, kIgnore, progress).report;
   EXPECT_EQ(plain.triangles, mesh.triangles.size());
   const DeformReport fine = deform(mesh, "m", bent, DeformAim::shape, {.refine = 0.005}, kIgnore, progress).report;
-  EXPECT_GT(fine.mesh.added, 0u);
+  EXPECT_GT(fine.added, 0u);
 
   const auto slot = read_cut("half-plane(-0.1,0,0.01; 0,0,1; 1,0,0)", {});
   const Deformation cut(corners([](const Vec3& p) { return Vec3{p.x, p.y, p.x > 0 ? 1.4 * p.z : p.z}; }), {}, {slot});

@@ -11,22 +11,19 @@
 #include <variant>
 #include <vector>
 
-#include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/deform.h"
 #include "sansmesh/deform_options.h"
 #include "sansmesh/grid_data.h"
 #include "sansmesh/image.h"
-#include "sansmesh/measure/section.h"
-#include "sansmesh/mesh/deformed_mesh.h"
 #include "sansmesh/mesh_options.h"
-#include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/volume_options.h"
 #include "sansmesh/sampled_volume.h"
+#include "sansmesh/solid_measures.h"
 #include "sansmesh/solids.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/volume_field.h"
@@ -39,7 +36,7 @@ namespace sansmesh::inline v1 {
 enum class DeformAim : std::uint8_t { shape, sections, picture };
 
 /// Options of deformations, whatever is deformed.
-struct SANSMESH_API DeformOptions {
+struct DeformOptions {
   std::optional<int> frames = {};  ///< so many poses from before to after, 2 or more; default: that after it alone
 
   std::optional<double> refine = {};  ///< of meshes: edges are cut in half first that bend by more than this (length)
@@ -85,7 +82,10 @@ struct DeformReport {
   FoldReport folds;  ///< of the pose that is folded most
   // Of the last pose:
   std::size_t vertices = 0, triangles = 0;
-  MeshDeformReport mesh;      ///< of clouds and meshes
+  std::size_t added = 0;      ///< triangles, where edges bend
+  bool fine = true;           ///< false: there were too many triangles to cut all edges that bend
+  std::size_t undefined = 0;  ///< vertices and points where the map is not defined: they stay where they are
+  std::size_t turned = 0;     ///< vertices and points at which space is turned inside out
   OpenMeshReport cut;         ///< of meshes
   bool mesh_of_open = false;  ///< a function whose surface bounds no solid: its mesh was deformed
   std::optional<CsgMeshReport> solid;
@@ -105,12 +105,12 @@ struct DeformResult {
 
 /// A cloud, or a mesh, which is opened along cuts first. `name` stands in notes. Throws ArgumentError for bad options,
 /// DataError that begins with the name where there is nothing to draw, Cancelled.
-SANSMESH_API DeformResult deform(const PointSet& points, const std::string& name, const Deformation& deformation,
-                                 DeformAim aim, const DeformOptions& options, const UsePose& use, Progress& progress);
+DeformResult deform(const PointSet& points, const std::string& name, const Deformation& deformation, DeformAim aim,
+                    const DeformOptions& options, const UsePose& use, Progress& progress);
 /// A solid, as a field that is never sampled before it is deformed. Of a function whose surface bounds no solid the
 /// mesh. The same errors, and ArgumentError for solids without an end.
-SANSMESH_API DeformResult deform(const SolidModel& solid, const Deformation& deformation, DeformAim aim,
-                                 const DeformOptions& options, const UsePose& use, Progress& progress);
+DeformResult deform(const SolidModel& solid, const Deformation& deformation, DeformAim aim,
+                    const DeformOptions& options, const UsePose& use, Progress& progress);
 
 /// Quantities of one volume.
 struct DeformableVolume {
@@ -122,12 +122,12 @@ struct DeformableVolume {
 
 /// Of a volume the array that it was opened with, for pictures as a scalar, or `all` arrays of the same samples. Throws
 /// as VolumeModel::field.
-SANSMESH_API DeformableVolume deformable_volume(const VolumeModel& volume, DeformAim aim, bool all, Progress& progress,
-                                                std::vector<Note>& notes);
+DeformableVolume deformable_volume(const VolumeModel& volume, DeformAim aim, bool all, Progress& progress,
+                                   std::vector<Note>& notes);
 
 /// A volume, resampled or seen through the deformation. The same errors, and where values do not fit into
 /// floats or nothing comes to be anywhere.
-SANSMESH_API DeformResult deform(const DeformableVolume& volume, const Deformation& deformation, DeformAim aim,
-                                 const DeformOptions& options, const UsePose& use, Progress& progress);
+DeformResult deform(const DeformableVolume& volume, const Deformation& deformation, DeformAim aim,
+                    const DeformOptions& options, const UsePose& use, Progress& progress);
 
 }  // namespace sansmesh::inline v1
