@@ -203,7 +203,7 @@ TEST(FlowPictures, IsoSurfacesAreThoseOfTheSpeedWhereNoArrayIsNamed) {
     FlowPictureOptions options;
     options.trace.seeds = "line(0.5,0,-1, 0.5,0,1, 12)";
     options.trace.surface.duration = 0.2;
-    options.look.width = 64, options.look.height = 48, options.look.samples = 1;
+    options.picture.view.width = 64, options.picture.view.height = 48, options.picture.quality.samples = 1;
     options.bar = false, options.isos = {{.value = 0.7}};
     options.volume_array = array, options.opacity_factor = array.empty() ? 1 : 0;
     Image drawn;

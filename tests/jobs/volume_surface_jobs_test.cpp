@@ -203,7 +203,7 @@ TEST(VolumePicturesJob, BakesForQuickPicturesAndSaysWhatIsNotThere) {
   Progress progress;
   VolumeModel volume = ball_model();
   VolumePicturesOptions options;
-  options.look.picture.view.width = 24, options.look.picture.view.height = 18, options.interactive = true,
+  options.look.picture.view.width = 24, options.look.picture.view.height = 18, options.baked = true,
   options.grid = true;
   options.look.isos = {{.value = 40, .color = {}, .opacity = 1}};
   VolumePictures pictures(volume, options, {}, progress);
