@@ -75,7 +75,7 @@ TEST(ConvertJob, AMeshStaysOneUnlessItsPointsAreAskedFor) {
   EXPECT_TRUE(mesh.data.is_mesh);
   EXPECT_EQ(mesh.report.steps[0].triangles, mesh.report.triangles);
   EXPECT_FALSE(convert(ball_mesh(2), {.vertices_only = true}, progress).data.is_mesh);
-  EXPECT_EQ(refusal(ball_mesh(2), SpacingStep{0.1}).rfind("`spacing` is for points", 0), 0u);
+  EXPECT_EQ(refusal(ball_mesh(2), SpacingStep{0.1}).rfind("`point_spacing` is for points", 0), 0u);
 }
 
 TEST(ConvertJob, AttributesOfThreeNumbersAreToldOfWhereTheyMayBeDirections) {
@@ -88,7 +88,7 @@ TEST(ConvertJob, AttributesOfThreeNumbersAreToldOfWhereTheyMayBeDirections) {
 
 TEST(ConvertJob, RefusalsNameTheStep) {
   const PointSet points = four_points();
-  EXPECT_EQ(refusal(points, CropStep{.box = {{5, 5, 5}, {6, 6, 6}}}).rfind("`crop` leaves nothing of 4 points", 0), 0u);
+  EXPECT_EQ(refusal(points, CropStep{.box = {{5, 5, 5}, {6, 6, 6}}}).rfind("`box` leaves nothing of 4 points", 0), 0u);
   EXPECT_EQ(refusal(points, FlipStep{.normals = false}).rfind("`flip_faces` is for meshes", 0), 0u);
   EXPECT_NE(refusal(points, ChooseStep{.names = {"foo"}}).find("'foo'"), std::string::npos);
   const std::vector<ConvertStep> bad = {SpacingStep{0},

@@ -188,7 +188,7 @@ TEST(AlignJob, TellsWhatIsNotUniqueAndNamesWhatFitsNowhere) {
   const AnySurface large(moved_by(brick(), {}, 10), "large");
   const std::string nowhere = error_text([&] { align(large, block, {}, progress); });
   EXPECT_EQ(nowhere.rfind("large: ", 0), 0u) << nowhere;
-  EXPECT_NE(nowhere.find("`scale`"), std::string::npos) << nowhere;
+  EXPECT_NE(nowhere.find("`find_scale`"), std::string::npos) << nowhere;
   const AnySurface tiny(without_triangles(octasphere(0), 7), "tiny");
   EXPECT_EQ(error_text([&] { align(ball, tiny, {}, progress); }).rfind("tiny: ", 0), 0u);
   EXPECT_THROW(align(ball, ball, {.iterations = 0}, progress), ArgumentError);
