@@ -177,9 +177,8 @@ std::string help_text(const CommandLine& command, bool all) {
     text += lines_of_group(group, all);
     if (all) continue;
     if (group.heading == kViewGroup)
-      named +=
-          entry_lines(word_of_heading(group.heading),
-                      "Size of pictures, and from where they look: the same in all commands, " + tool + " help view");
+      named += entry_lines(word_of_heading(group.heading),
+                           "Size of pictures, and from where they look: " + tool + " help view");
     else if (const std::string names = names_in(group); !names.empty())
       named += entry_lines(word_of_heading(group.heading), names);
   }

@@ -132,7 +132,7 @@ TEST_F(Outputs, FilesMayBeStandardInputAndOutput) {
   // A mesh, a function, values of it, a picture.
   EXPECT_TRUE(piped({"reconstruct", "-", "-o", "-"}, "ball.ply").out.starts_with("ply\n"));
   write("ball.smf", piped({"fit", "-", "-o", "-"}, "ball.ply").out);
-  EXPECT_TRUE(piped({"mesh", "-", "-o", "-.off"}, "ball.smf").out.starts_with("OFF"));
+  EXPECT_NE(piped({"mesh", "-", "-o", "-.off"}, "ball.smf").out.substr(0, 8).find("OFF"), std::string::npos);
   EXPECT_NE(piped({"probe", "-", "--at", "1,0,0", "-o", "-.csv"}, "ball.smf").out.find("gradient_x"),
             std::string::npos);
   EXPECT_TRUE(piped({"section", "-.smf", "--plane", "z=0", "-o", "-.csv"}, "ball.smf").out.starts_with("plane"));

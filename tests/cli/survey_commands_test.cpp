@@ -192,14 +192,16 @@ TEST_F(SurveyCommands, BadChoicesAreOneLine) {
       {{"fit", "west.las", "-o", "a.smf", "--without-class", "300"}, 2, {"--without-class", "'300'"}},
       {{"normals", "bare.ply", "-o", "a.ply", "--class", "2"}, 1, {"bare.ply", "no class", "--class"}},
       {{"info", "west.las", "--class", "water"}, 1, {"west.las", "--class", "2 (ground), 7 (low-noise)"}},
-      {{"info", "west.las", "east.las", "--without-class", "ground,noise"}, 1, {"west.las and 1 other file"}},
+      {{"info", "west.las", "east.las", "--as-one", "--without-class", "ground,noise"},
+       1,
+       {"west.las and 1 other file"}},
       {{"reconstruct", "west.las", "none.las", "-o", "a.ply"}, 1, {"none.las", "no such file"}},
       {{"reconstruct", "west.las", "bad.las", "-o", "a.ply"}, 1, {"bad.las", "truncated"}},
       {{"reconstruct", "west.las", "mesh.ply", "-o", "a.ply"}, 1, {"mesh.ply", "holds faces"}},
   });
   ASSERT_EQ(run({"fit", "west.las", "--class", "ground", "-o", "a.smf"}).code, 0);
   expect_failures({
-      {{"info", "a.smf", "west.las"}, 1, {"a.smf", "is a function"}},
+      {{"info", "a.smf", "west.las", "--as-one"}, 1, {"a.smf", "is a function"}},
       {{"render", "a.smf", "--class", "ground", "-o", "a.png"}, 2, {"--class", "function"}},
   });
 }
