@@ -9,8 +9,8 @@
 #include "option_groups.h"
 #include "sansmesh/io/animation.h"
 #include "sansmesh/jobs/motion.h"
-#include "sansmesh/jobs/motion_pictures.h"
 #include "sansmesh/jobs/plan_simulation.h"
+#include "sansmesh/motion_pictures.h"
 #include "volume_colors.h"
 #include "volume_input.h"
 

@@ -14,7 +14,8 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/jobs/surface_in_volume_pictures.h"
+#include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/volume_pictures.h"
 #include "schema_options.h"
 #include "volume_input.h"
 
@@ -63,7 +64,7 @@ std::optional<ColorBar> bar_of(const VolumeSurfaceArguments& a, const std::optio
   return ColorBar{shown->colors, with_unit(a.look.color_by, a.unit), shown->ends};
 }
 
-void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, VolumeModel& volume,
+void draw_surface(const VolumeSurfaceArguments& a, std::shared_ptr<const SurfaceInVolume> surface, VolumeModel& volume,
                   Console& console, Json& json) {
   SurfaceRenderOptions look;
   look.picture = a.picture.chosen();
@@ -71,7 +72,7 @@ void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfac
   look.plain = a.quick, look.picture.view.steady = a.frames > 0;
   look.validate();
   std::vector<Note> notes;
-  const SurfaceInVolumePictures pictures(surface, volume, a.look, console.progress(), notes);
+  const SurfaceInVolumePictures pictures(std::move(surface), volume, a.look, console.progress(), notes);
   console.note(volume.name(), notes);
   if (const auto& shown = pictures.colors(); shown && !shown->curvature) {
     const auto [lower, upper] = shown->colors.range();
@@ -150,14 +151,15 @@ void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
   VolumeModel volume = a.input.open(console);
   Progress& progress = console.progress();
   if (!a.look.color_by.empty() && !a.look.curvature()) volume.scalar_choice(a.look.color_by, "color_by");
-  const SurfaceInVolume surface = surface_in_volume(volume, a.options, progress);
+  const auto made = std::make_shared<const SurfaceInVolume>(surface_in_volume(volume, a.options, progress));
+  const SurfaceInVolume& surface = *made;
   Json json = {{"input", json_of_volume(a.input, volume, progress)}};
   say_surface(a, surface, volume, console, json);
   std::optional<PointSet> points;
   if (!a.points.empty())
     points = volume.naming([&] { return sample_volume_surface(surface.surface, a.distance, progress); });
   if (a.to_picture())
-    draw_surface(a, surface, volume, console, json);
+    draw_surface(a, made, volume, console, json);
   else if (!a.output.empty())
     write_surface(a, surface, volume, console, json);
   if (points) {

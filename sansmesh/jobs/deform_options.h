@@ -9,9 +9,9 @@
 #include "sansmesh/dataset/resample_volume.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/option.h"
-#include "sansmesh/render/volume_options.h"
 #include "sansmesh/repair.h"
 #include "sansmesh/solid_measures.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 

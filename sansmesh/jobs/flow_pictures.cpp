@@ -280,7 +280,8 @@ const OptionSchema& FlowPictureOptions::schema() {
 
 void FlowPictureOptions::validate() const {
   trace.validate();
-  validate_options(*this);
+  static const FlowPictureOptions usual{};  // g++ 12 takes a local one for uninitialized
+  validate_options(schema(), this, &usual);
   picture.validate();
   if (const auto known = transfer_function_presets();
       !volume_preset.empty() && std::find(known.begin(), known.end(), volume_preset) == known.end())

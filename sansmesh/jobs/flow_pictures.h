@@ -9,14 +9,13 @@
 #include "sansmesh/image.h"
 #include "sansmesh/jobs/flow_model.h"
 #include "sansmesh/jobs/flow_surface.h"
-#include "sansmesh/jobs/use_picture.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/flow_texture.h"
 #include "sansmesh/render/picture_surfaces.h"
-#include "sansmesh/render/render_options.h"
-#include "sansmesh/render/volume_options.h"
+#include "sansmesh/render_options.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 

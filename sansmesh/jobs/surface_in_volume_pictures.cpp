@@ -1,12 +1,18 @@
-#include "sansmesh/jobs/surface_in_volume_pictures.h"
+#include "sansmesh/volume_pictures.h"
 
 #include <algorithm>
 #include <span>
 #include <utility>
 
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/surface_in_volume.h"
+#include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/render/picture_notes.h"
+#include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render/surface_picture.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/surface/bilateral_normals.h"
+#include "sansmesh/surface/curvature_colors.h"
 #include "sansmesh/surface/curvature_words.h"
 
 namespace sansmesh::inline v1 {
@@ -48,7 +54,7 @@ class ArrayColors : public ColorField {
 }  // namespace
 
 struct SurfaceInVolumePictures::State {
-  const VolumeSurface& surface;
+  std::shared_ptr<const SurfaceInVolume> of;
   std::unique_ptr<ColorField> colors;
   std::optional<ShownColors> shown;
   std::optional<BilateralNormals> normals;
@@ -69,10 +75,10 @@ const OptionSchema& SurfaceInVolumeLook::schema() {
   return schema;
 }
 
-std::optional<CurvatureColorOptions::Quantity> SurfaceInVolumeLook::curvature() const {
+std::optional<CurvatureQuantity> SurfaceInVolumeLook::curvature() const {
   const auto* const word = std::find(std::begin(kCurvatureWords), std::end(kCurvatureWords), color_by);
   if (word == std::end(kCurvatureWords)) return std::nullopt;
-  return static_cast<CurvatureColorOptions::Quantity>(word - std::begin(kCurvatureWords));
+  return static_cast<CurvatureQuantity>(word - std::begin(kCurvatureWords));
 }
 
 void SurfaceInVolumeLook::validate() const {
@@ -80,18 +86,19 @@ void SurfaceInVolumeLook::validate() const {
   if (color_range && !curvature()) throw ArgumentError("`color_range` needs `color_by` with a curvature");
 }
 
-SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, VolumeModel& volume,
+SurfaceInVolumePictures::SurfaceInVolumePictures(std::shared_ptr<const SurfaceInVolume> of, VolumeModel& volume,
                                                  const SurfaceInVolumeLook& look, Progress& progress,
                                                  std::vector<Note>& notes)
-    : state_(std::make_unique<State>(State{of.surface, {}, {}, {}, {}})) {
+    : state_(std::make_unique<State>(State{std::move(of), {}, {}, {}, {}})) {
   look.validate();
   State& s = *state_;
-  const Placement& place = of.surface.place();
+  const VolumeSurface& surface = s.of->surface;
+  const Placement& place = surface.place();
   PointSet points;
-  if (!look.color_by.empty() || look.sharp) points = of.surface.feet();
+  if (!look.color_by.empty() || look.sharp) points = surface.feet();
   if (const auto quantity = look.curvature()) {
     // Curvatures of the input, a length or an area below the line, in coordinates of the surface.
-    const double unit = *quantity == CurvatureColorOptions::Quantity::gaussian ? place.unit * place.unit : place.unit;
+    const double unit = *quantity == CurvatureQuantity::gaussian ? place.unit * place.unit : place.unit;
     CurvatureColorOptions o;
     o.quantity = *quantity;
     if (look.color_range) o.range = *look.color_range * unit;
@@ -110,7 +117,7 @@ SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, Volu
     s.normals.emplace(prepare_samples(points, progress), BilateralOptions{});
     cast.normals = &*s.normals;
   }
-  volume.naming([&] { s.caster.emplace(of.surface.field(), of.surface.balls(), cast); });
+  volume.naming([&] { s.caster.emplace(surface.field(), surface.balls(), cast); });
 }
 
 SurfaceInVolumePictures::~SurfaceInVolumePictures() = default;
@@ -122,8 +129,8 @@ Image SurfaceInVolumePictures::render(const SurfaceRenderOptions& options, Progr
   options.validate();
   const State& s = *state_;
   SurfaceRenderOptions own = options;
-  move_from_input(own.picture, s.surface.place());
-  return render_surface(*s.caster, s.surface.balls().centers, s.colors.get(), own, progress);
+  move_from_input(own.picture, s.of->surface.place());
+  return render_surface(*s.caster, s.of->surface.balls().centers, s.colors.get(), own, progress);
 }
 
 CastCounts SurfaceInVolumePictures::counts() const { return state_->caster->counts(); }

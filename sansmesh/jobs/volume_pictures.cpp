@@ -1,14 +1,17 @@
-#include "sansmesh/jobs/volume_pictures.h"
+#include "sansmesh/volume_pictures.h"
 
 #include <algorithm>
 #include <utility>
 
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/volume_model.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/tubes.h"
+#include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/render/volume_picture.h"
 #include "sansmesh/volume/volume_boundary.h"
 
 namespace sansmesh::inline v1 {

@@ -14,7 +14,7 @@
 #include "sansmesh/jobs/flow_model.h"
 #include "sansmesh/jobs/flow_pictures.h"
 #include "sansmesh/jobs/flow_surface.h"
-#include "sansmesh/jobs/line_picture.h"
+#include "sansmesh/pictures.h"
 #include "support/notes.h"
 
 namespace sansmesh::test {

@@ -8,8 +8,8 @@
 
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/motion_pictures.h"
 #include "sansmesh/jobs/simulate.h"
+#include "sansmesh/motion_pictures.h"
 
 namespace sansmesh::test {
 namespace {

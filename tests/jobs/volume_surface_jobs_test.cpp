@@ -13,11 +13,12 @@
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/fit_volume.h"
 #include "sansmesh/jobs/isosurface_moments.h"
-#include "sansmesh/jobs/surface_in_volume_pictures.h"
+#include "sansmesh/jobs/surface_in_volume.h"
 #include "sansmesh/jobs/volume_advice.h"
 #include "sansmesh/jobs/volume_info.h"
-#include "sansmesh/jobs/volume_pictures.h"
+#include "sansmesh/jobs/volume_model.h"
 #include "sansmesh/volume/reconstruction.h"
+#include "sansmesh/volume_pictures.h"
 #include "support/notes.h"
 
 namespace sansmesh::test {
@@ -162,13 +163,13 @@ TEST(SurfaceInVolume, OptionsThatDoNotGoTogether) {
   EXPECT_THROW(look.validate(), ArgumentError);
   look.color_by = "gaussian";
   EXPECT_NO_THROW(look.validate());
-  EXPECT_EQ(look.curvature(), CurvatureColorOptions::Quantity::gaussian);
+  EXPECT_EQ(look.curvature(), CurvatureQuantity::gaussian);
 }
 
 TEST(SurfaceInVolumePicturesJob, ColoursOfCurvatureAndOfArrays) {
   Progress progress;
   VolumeModel volume = ball_model();
-  const SurfaceInVolume surface = surface_in_volume(volume, {}, progress);
+  const auto surface = std::make_shared<const SurfaceInVolume>(surface_in_volume(volume, {}, progress));
   std::vector<Note> notes;
   const SurfaceInVolumePictures curved(surface, volume, {.color_by = "mean", .color_range = 5}, progress, notes);
   ASSERT_TRUE(curved.colors().has_value());
