@@ -15,8 +15,8 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/flow/analytic_flows.h"
 #include "sansmesh/flow/flow_surface.h"
+#include "sansmesh/flow_options.h"
 #include "sansmesh/render/picture_surfaces.h"
 
 namespace {

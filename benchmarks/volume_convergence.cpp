@@ -62,7 +62,7 @@ struct Errors {
 Errors errors_at(const VolumeField& field, const std::vector<Vec3>& x, Function f) {
   std::vector<double> values(x.size());
   std::vector<std::uint8_t> inside(x.size());
-  field.evaluate(x, {values, {}, inside, {}});
+  field.evaluate(x, {values, {}, inside});
   Errors errors;
   std::size_t count = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {

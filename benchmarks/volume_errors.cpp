@@ -147,7 +147,7 @@ void measure(const std::string& name, const Options& options) {
         const auto field = reconstruct_volume(volume, fmt::format("f{}", f + 1), wanted, progress);
         const double fitted = process_cpu_seconds();
         std::vector<double> values(x.size());
-        field->evaluate(x, {values, {}, {}, {}});
+        field->evaluate(x, {values});
         const double asked = process_cpu_seconds();
         double sum = 0, most = 0;
         std::size_t wrong = 0;

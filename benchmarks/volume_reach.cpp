@@ -125,7 +125,7 @@ void frames(Volume& volume) {
   bake.places = volume.samples->positions;
   const Spent baking = timed([&] { baked = std::make_unique<BakedVolume>(*field, bake, volume.progress); });
   VolumePictureOptions quick = options;
-  quick.step = 1.5, quick.least_light = 0.01;  // as --interactive has them
+  quick.step = 1.5, quick.least_light = 0.01;  // as --baked has them
   quick.transfer = direct.report.transfer;
   const Frames interactive = run(*baked, quick);
 
@@ -148,7 +148,7 @@ void frames(Volume& volume) {
   fmt::print(
       R"({{"array":"{}","samples":{},"fit_wall":{:.4f},"fit_cpu":{:.4f},"shape":{},"iterations":{},"bake_wall":{:.4f},"bake_cpu":{:.4f},"bricks":{},"bake_error":{:.6f},"direct":{},"interactive":{},"camera":{{"position":{},"center":{},"up":{},"half_height":{:.9g}}},"unit":{:.9g},"colors":[{}],"opacities":[{}]}})"
       "\n",
-      volume.array, volume.samples->size(), fit.wall, fit.cpu, report.options.shape.value_or(0),
+      volume.array, volume.samples->size(), fit.wall, fit.cpu, report.options.epsilon.value_or(0),
       report.options.iterations.value_or(0), baking.wall, baking.cpu, baked->report().bricks,
       baked->report().error_mean, as_json(direct), as_json(interactive),
       vector(frame.center + Vec3(camera.position) * frame.size),
@@ -169,8 +169,8 @@ void probe(Volume& volume, const std::string& points, const std::string& out) {
   const std::size_t c = field->components();
   std::vector<double> values(x.size() * c);
   std::vector<std::uint8_t> inside(x.size());
-  const Spent first = timed([&] { field->evaluate(x, {values, {}, inside, {}}); });
-  const Spent again = timed([&] { field->evaluate(x, {values, {}, inside, {}}); });
+  const Spent first = timed([&] { field->evaluate(x, {values, {}, inside}); });
+  const Spent again = timed([&] { field->evaluate(x, {values, {}, inside}); });
   std::ofstream(out, std::ios::binary)
       .write(reinterpret_cast<const char*>(values.data()),
              static_cast<std::streamsize>(values.size() * sizeof(double)));
@@ -196,7 +196,7 @@ void memory(const std::vector<std::string>& files, const std::string& array, con
     x[i] = volume->samples->position(k) * 0.999 + box.center() * 0.001;
   }
   std::vector<double> values(x.size() * field->components());
-  const Spent ask = timed([&] { field->evaluate(x, {values, {}, {}, {}}); });
+  const Spent ask = timed([&] { field->evaluate(x, {values}); });
   const auto n = static_cast<double>(volume->samples->size());
   fmt::print(
       R"({{"samples":{},"cells":{},"read_cpu":{:.2f},"read_peak_mb":{:.0f},"data_mb":{:.0f},"data_bytes":{:.0f},"fit_cpu":{:.2f},"fit_wall":{:.2f},"field_bytes":{:.0f},"fit_peak_bytes":{:.0f},"peak_mb":{:.0f},"ask_cpu":{:.3f}}})"

@@ -11,7 +11,7 @@
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/deform/handle_file.h"
 #include "sansmesh/dynamics/scene_script.h"
-#include "sansmesh/flow/seeds.h"
+#include "sansmesh/flow_options.h"
 #include "sansmesh/function_edits.h"
 #include "sansmesh/io/point_table.h"
 #include "sansmesh/io/readers.h"

@@ -187,7 +187,7 @@ void probe(const SampledVolume& volume, const VolumeField& field) {
   std::vector<double> values(n), spacing(n);
   std::vector<Vec3> gradients(n);
   std::vector<std::uint8_t> inside(n);
-  field.evaluate(places, {values, gradients, inside, {}});
+  field.evaluate(places, {values, gradients, inside});
   field.spacing(places, spacing);
   for (std::size_t i = 0; i < n; ++i) {
     demand(std::isfinite(values[i]), "a value is not finite");

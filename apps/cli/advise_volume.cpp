@@ -7,7 +7,7 @@
 #include <cctype>
 
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/volume_advice.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::cli {
 namespace {

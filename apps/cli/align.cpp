@@ -111,7 +111,7 @@ Command add_align(CommandLine& app) {
       "Examples:\n"
       "  sansmesh align scan.ply design.stl -o aligned.ply --transform-output motion.txt\n"
       "  sansmesh align second.ply first.ply --from anywhere --json\n"
-      "  sansmesh align inches.stl millimetres.ply -o same.stl --scale");
+      "  sansmesh align inches.stl millimetres.ply -o same.stl --find-scale");
   return {&c, [a](Console& console) { run_align(*a, console); }};
 }
 

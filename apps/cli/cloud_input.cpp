@@ -98,8 +98,8 @@ PointSet CloudInput::read(Console& console, ReadReport& report) const {
   return points;
 }
 
-void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what) {
-  c.add_option("input", input.files, what + "; several (tiles) are read as one")
+void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what, bool as_one) {
+  c.add_option("input", input.files, what + (as_one ? "; several (tiles) are read as one" : ""))
       .type_name("FILE")
       .required()
       .endings(endings_read(kPoints | kFunction));

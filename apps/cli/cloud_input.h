@@ -49,8 +49,8 @@ auto naming(const std::string& file, const Console& console, Call call) {
 /// --class and --without-class. `of`: whose points they choose, where a command reads several clouds: " of the
 /// reference".
 void add_class_options(CommandLine& command, CloudInput& input, const std::string& of = "");
-/// The files, --class and --without-class. `what` describes the files.
-void add_cloud_input(CommandLine& command, CloudInput& input, const std::string& what);
+/// The files, --class and --without-class. `what` describes the files; `as_one`: several of them are one.
+void add_cloud_input(CommandLine& command, CloudInput& input, const std::string& what, bool as_one = true);
 
 /// How fine and how noisy a cloud is, as it was read: the same by every command that says so of a file.
 struct CloudScale {

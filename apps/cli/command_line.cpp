@@ -149,6 +149,10 @@ Option Option::in_order() const {
   entry_->in_order = true;
   return repeated();
 }
+Option Option::once_called(const std::string& name) const {
+  entry_->old_names.push_back(name);
+  return *this;
+}
 Option Option::endings(const std::vector<std::string>& endings) const {
   entry_->endings = endings;
   return *this;
@@ -248,11 +252,11 @@ const CommandLine& CommandLine::subcommand(const std::string& name) const {
 
 const OptionEntry* CommandLine::find(const std::string& flag) const {
   if (flag.empty()) return nullptr;
-  const auto among = [&](const std::vector<std::string>& names) {
-    return std::find(names.begin(), names.end(), flag) != names.end();
-  };
-  for (const auto& option : options_)
-    if (!option->positional() && (among(option->names) || among(option->old_names))) return option.get();
+  for (const auto names : {&OptionEntry::names, &OptionEntry::old_names})
+    for (const auto& option : options_)
+      if (const auto& all = (*option).*names;
+          !option->positional() && std::find(all.begin(), all.end(), flag) != all.end())
+        return option.get();
   return parent_ && common_ ? root().find(flag) : nullptr;
 }
 

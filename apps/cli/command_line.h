@@ -39,6 +39,8 @@ class Option {
   Option repeated() const;
   /// Cannot be given together with another one.
   Option excludes(const std::string& other) const;
+  /// A name that it had: understood, and warned of.
+  Option once_called(const std::string& name) const;
   /// Endings of the files that fit, for completion, where the description does not name them: {".ply", ".obj"}.
   Option endings(const std::vector<std::string>& endings) const;
 

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "help_levels.h"
 #include "sansmesh/core/parallel.h"
 #include "schema_options.h"
 
@@ -56,6 +57,7 @@ std::vector<Command> add_commands(CommandLine& line, CommonArguments& common) {
   for (const CommandEntry* const entry : CommandEntry::registry().all()) commands.push_back(entry->add(line));
   for (const auto add : {add_help, add_completion, add_manual, add_schema_command}) commands.push_back(add(line));
   for (const Command& command : commands) name_flags(*command.line);
+  arrange_help(commands);
   return commands;
 }
 

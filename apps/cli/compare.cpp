@@ -141,7 +141,7 @@ Json to_json(const CompareArguments& a, const CompareResult& made, const Json& p
                {"at_border", map.at_border},
                {"not_finite", map.not_finite},
                {"max_distance", map.max_distance},
-               {"tolerance", a.options.map.tolerance},
+               {"within", a.options.map.within},
                {"distance", to_json(s)},
                {"histogram",
                 {{"lower", map.has_sides ? -s.range : 0.0},
@@ -177,7 +177,7 @@ void run_compare(const CompareArguments& a, Console& console) {
                           grouped(made.mesh.vertices.size()), points ? "points" : "vertices", other.name(),
                           other.kind_word()));
   if (made.report.alignment) say_alignment(*made.report.alignment, console);
-  if (made.map.measured > 0) say_statistics(made.map, a.options.map.tolerance, console);
+  if (made.map.measured > 0) say_statistics(made.map, a.options.map.within, console);
   say_rest(a, made.map, other.name(), console);
   console.say_json(to_json(a, made, part.json, reference.json));
   console.print_timings();
@@ -201,7 +201,8 @@ Command add_compare(CommandLine& app) {
                "The map to write, distance as quality and as colours: .ply .vtp .glb (others: colours)")
       .type_name("FILE");
   add_preview_option(c, a->preview, "the map, with a scale in its --width,");
-  const std::vector<std::string_view> of_alignment = {"align", "from", "scale", "align_samples", "align_iterations"};
+  const std::vector<std::string_view> of_alignment = {"align", "from", "find_scale", "align_samples",
+                                                      "align_iterations"};
   add_schema(c, a->options, {.without = of_alignment});
   add_schema(c, a->options, {.group = "Alignment", .only = of_alignment});
   c.add_flag("--histogram", a->histogram, "Print the distribution as well");
@@ -213,7 +214,7 @@ Command add_compare(CommandLine& app) {
       "Positive distances lie outside of the reference. Statistics are weighted by area. Nothing is moved "
       "without --align.\n\n"
       "Examples:\n"
-      "  sansmesh compare made.ply design.stl --tolerance 0.05 -o map.ply --preview map.png\n"
+      "  sansmesh compare made.ply design.stl --within 0.05 -o map.ply --preview map.png\n"
       "  sansmesh compare scan.ply design.stl --max-distance 2 --histogram\n"
       "  sansmesh compare design.stl scan.smf --refine 0.5 --json");
   return {&c, [a](Console& console) { run_compare(*a, console); }};

@@ -40,6 +40,7 @@ void Console::finish() {
   finishing_ = true;
   outputs_.commit();
   show(std::exchange(said_, {}));
+  if (listing_ && options_.json) print_json({{"files", std::move(results_)}});
   finish_out();
 }
 
@@ -77,6 +78,18 @@ void Console::say(const std::string& line) {
 
 void Console::say_json(Json json) {
   if (!options_.json) return;
+  if (listing_) return results_.push_back(std::move(json));
+  print_json(std::move(json));
+}
+
+void Console::fail(const std::string& file, const std::string& message) {
+  clear();
+  print_error(message);
+  failed_ = true;
+  results_.push_back({{"file", file}, {"error", {{"kind", "file"}, {"text", message}}}});
+}
+
+void Console::print_json(Json json) {
   json["schema"] = kReportVersion;
   json["warnings"] = warnings_;
   json["messages"] = messages_;

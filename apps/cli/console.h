@@ -48,6 +48,12 @@ class Console {
   /// A result for programs, an object: printed with --json, once all is done, together with the list of all that was
   /// warned of (`warnings`). Bytes that are not UTF-8, as names of files can have, are replaced.
   void say_json(Json json);
+  /// From here on results for programs are a list, `files` of one object: a command tells of several files, one after
+  /// the other.
+  void list_results() { listing_ = true; }
+  /// A mistake in one of several files: told as errors are, and in the list. The command goes on, and fails in the end.
+  void fail(const std::string& file, const std::string& message);
+  bool has_failed() const { return failed_; }
   /// Warnings until now, as they were printed, or would have been but for --quiet.
   const std::vector<std::string>& warnings() const { return warnings_; }
   /// Warnings of the library name options by their fields; these are put in the words of the command.
@@ -64,6 +70,7 @@ class Console {
 
  private:
   void warn_line(const std::string& line);
+  void print_json(Json json);
   void show(const std::string& text);
   void draw(const std::string& stage, double fraction);
   void clear();
@@ -72,6 +79,8 @@ class Console {
   const CommandLine& command_;
   std::vector<std::string> warnings_;
   Json messages_ = Json::array();
+  Json results_ = Json::array();
+  bool listing_ = false, failed_ = false;
   std::string said_;  ///< once there are files, of which it is, in their places
   bool keeps_frames_ = false;
   bool finishing_ = false;

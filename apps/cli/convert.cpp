@@ -16,6 +16,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 #include "schema_options.h"
+#include "standard_streams.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -31,7 +32,7 @@ struct ConvertArguments {
   ConvertSteps steps;
 };
 
-/// "--crop-out".
+/// "--outside-box".
 std::string flag_of_step(std::string_view name) {
   std::string flag = "--" + std::string(name);
   std::replace(flag.begin(), flag.end(), '_', '-');
@@ -40,6 +41,7 @@ std::string flag_of_step(std::string_view name) {
 
 /// "out/a.ply.gz", 7 of 1234 → "out/a_0007.ply.gz".
 std::string part_name(const std::string& file, std::size_t number, std::size_t parts) {
+  check_holds_several(file);
   const std::filesystem::path path(file);
   std::string name = path.filename().string();
   std::string endings = path.extension().string();
@@ -136,7 +138,7 @@ class Conversion {
     const bool mesh = is_written(a_.output, "mesh"), points = is_written(a_.output, "points");
     if (!mesh && !points && is_read(a_.output))
       throw FileError(a_.output, "this format is read, not written; .ply, .vtp, .las and .csv hold whatever it does");
-    check_writable(a_.output, mesh && !(a_.options.points && points) ? "mesh" : "points");
+    check_writable(a_.output, mesh && !(a_.options.vertices_only && points) ? "mesh" : "points");
   }
 
   /// Meshes are written as points, with a word, where the format has no faces; points never become a mesh.
@@ -235,7 +237,7 @@ Command add_convert(CommandLine& app) {
            " Moves, selections and changes are done in the order in\n"
            "which they are given.\n\nExamples:\n"
            "  sansmesh convert part.stl -o part.ply --weld 0 --unit mm --to-unit m --up z\n"
-           "  sansmesh convert a.las b.las -o all.ply --crop 0,0,0,100,100,50 --spacing 0.5\n"
+           "  sansmesh convert a.las b.las -o all.ply --box 0,0,0,100,100,50 --point-spacing 0.5\n"
            "  sansmesh convert scan.ply -o moved.ply --transform matrix.txt");
   return {&c, [shared](Console& console) { Conversion(*shared, console).run(); }};
 }

@@ -118,9 +118,10 @@ void add_convert_steps(CommandLine& c, ConvertSteps& s) {
       .group(kMoves)
       .in_order();
   c.add_option_function(
-       "--axes", [step](const std::string& text) { step(AxesStep{.axes = text}); },
+       "--new-axes", [step](const std::string& text) { step(AxesStep{.axes = text}); },
        "Which axes the new x, y and z are: y,x,z swaps two (a mirror image), x,-z,y turns y up into z up")
       .type_name("AXES")
+      .once_called("--axes")
       .group(kMoves)
       .in_order();
   c.add_option_function(
@@ -154,26 +155,29 @@ void add_convert_steps(CommandLine& c, ConvertSteps& s) {
       .group(kMoves)
       .in_order();
   for (const bool inside : {true, false}) {
-    const char* const flag = inside ? "--crop" : "--crop-out";
+    const char* const flag = inside ? "--box" : "--outside-box";
     c.add_option_function(
          flag, [step, inside](const std::vector<double>& v) { step(CropStep{.box = box_of(v), .inside = inside}); },
          inside ? "Only what lies in this box; meshes are cut along it" : "Only what lies outside of this box")
         .numbers(6)
         .type_name("X0,Y0,Z0,X1,Y1,Z1")
+        .once_called(inside ? "--crop" : "--crop-out")
         .group(kSelection)
         .in_order();
   }
   c.add_option_function(
-       "--spacing", [step](double distance) { step(SpacingStep{distance}); },
+       "--point-spacing", [step](double distance) { step(SpacingStep{distance}); },
        "Fewer points: no two closer than this, and none missing that would be farther from all (Poisson discs)")
       .type_name("LENGTH")
       .positive()
+      .once_called("--spacing")
       .group(kSelection)
       .in_order();
   c.add_option_function(
-       "--count", [step](std::size_t count) { step(CountStep{count}); },
+       "--point-count", [step](std::size_t count) { step(CountStep{count}); },
        "Fewer points: so many, drawn by chance (always the same ones)")
       .type_name("COUNT")
+      .once_called("--count")
       .within(1, 2000000000)
       .group(kSelection)
       .in_order();

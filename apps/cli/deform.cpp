@@ -15,7 +15,6 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/write_volume.h"
-#include "sansmesh/jobs/read_deformation.h"
 #include "sansmesh/measure/section_text.h"
 #include "sansmesh/surface_function.h"
 #include "schema_options.h"
@@ -103,7 +102,11 @@ struct WritePose {
     write_text(file, file.ends_with(".svg") ? section_svg(sections, {.unit = a.unit}) : section_csv(sections));
   }
   void operator()(const GridBlock& block) const { write_volume(file, block); }
-  void operator()(const Image& image) const { a.picture.write(file, image, a.options.look.picture); }
+  void operator()(const DeformedPicture& picture) const {
+    RenderOptions look = a.options.look.picture;
+    look.view.width -= picture.bar;
+    a.picture.write(file, picture.image, look);
+  }
 };
 
 UsePose to_files(const DeformArguments& a, Deformed& deformed, Console& console) {
@@ -142,7 +145,7 @@ Deformed deform_cloud(const DeformArguments& a, const Deformation& deformation, 
   const DeformReport& r = d.result.report;
   d.lines.push_back(mesh ? fmt::format("{}, {} {}{}", counted(r.triangles, "triangle"), grouped(r.vertices),
                                        r.vertices == 1 ? "vertex" : "vertices",
-                                       r.mesh.added > 0 ? fmt::format(" ({} added)", grouped(r.mesh.added)) : "")
+                                       r.added > 0 ? fmt::format(" ({} added)", grouped(r.added)) : "")
                          : counted(r.vertices, "point"));
   if (mesh && cut)
     d.lines.push_back(r.cut.edges == 0 ? "no cut reaches it"
@@ -150,9 +153,9 @@ Deformed deform_cloud(const DeformArguments& a, const Deformation& deformation, 
                                                      counted(r.cut.faces, "triangle")));
   d.output = {{"vertices", r.vertices},
               {"triangles", r.triangles},
-              {"added", r.mesh.added},
-              {"turned", r.mesh.turned},
-              {"undefined", r.mesh.undefined}};
+              {"added", r.added},
+              {"turned", r.turned},
+              {"undefined", r.undefined}};
   if (cut)
     d.output["cut"] = {
         {"edges", r.cut.edges}, {"faces", r.cut.faces}, {"unopened", r.cut.unopened}, {"unclosed", r.cut.unclosed}};
@@ -194,7 +197,7 @@ Deformed deform_volume(DeformArguments& a, const Deformation& deformation, Conso
   VolumePictureOptions& look = a.options.look;
   if (picture) {
     a.colors.put_into(look);
-    for (const std::string& text : a.clips) look.cuts.push_back(volume_cut_of(text));
+    for (const std::string& text : a.clips) look.clips.push_back(volume_cut_of(text));
     look.color_bar = !a.no_bar;
     look.validate();
   }
@@ -225,10 +228,11 @@ Deformed write_displacement_map(const DeformArguments& a, DeformedThing thing, c
                                                       : bounds_of(read_cloud(a, ignored, console));
   DeformationMapResult made = deformation_map(deformation, before, a.input.name(), a.map, console.progress());
   console.progress().begin("write");
-  write_volume(a.output, displacement_block(made.map));
+  write_volume(a.output, made.block);
   Deformed d;
   d.files = {a.output};
-  const std::array<std::size_t, 3>& size = made.map.sizes();
+  const std::array<std::size_t, 3> size{made.block.axes[0].size(), made.block.axes[1].size(),
+                                        made.block.axes[2].size()};
   d.lines = {
       fmt::format("{} × {} × {} displacements: sansmesh deform … --map {}", size[0], size[1], size[2], a.output)};
   d.input = a.input.json();
@@ -322,7 +326,7 @@ Command add_deform(CommandLine& app) {
   add_schema(c, a.options.look, {.group = volumes, .only = {"shading"}});
   c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group(volumes);
 
-  add_schema(c, a.options, {.group = "Picture", .only = {"exact", "draw_handles", "draw_folds"}});
+  add_schema(c, a.options, {.group = "Picture", .only = {"exact_deformation", "draw_handles", "draw_folds"}});
   add_background_option(c, a.background);
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);

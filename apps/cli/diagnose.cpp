@@ -131,8 +131,9 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
 Command add_diagnose(CommandLine& app) {
   CommandLine& c = app.add_subcommand("diagnose", "Function file → suspicious places, a picture, and edits to try");
   auto a = std::make_shared<DiagnoseArguments>();
-  c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
-  c.add_option("--script", a->script, "Write a script for `sansmesh edit`, one step for each place: .json")
+  c.add_option("input", a->input, "Function, .smf").type_name("FILE").endings({".smf"}).required();
+  c.add_option("--script-output", a->script, "Write a script for `sansmesh edit`, one step for each place: .json")
+      .once_called("--script")
       .type_name("FILE");
   c.add_option("--preview", a->preview, "Draw the surface, suspicious places in colour, into this PNG")
       .type_name("FILE");
@@ -145,7 +146,7 @@ Command add_diagnose(CommandLine& app) {
   add_schema(c, a->options);
   c.footer(
       "Examples:\n"
-      "  sansmesh diagnose scan.smf --preview scan.png --pictures places.png --script edits.json\n"
+      "  sansmesh diagnose scan.smf --preview scan.png --pictures places.png --script-output edits.json\n"
       "  sansmesh edit scan.smf --script edits.json -o mended.smf");
   return {&c, [a](Console& console) { run_diagnose(*a, console); }};
 }

@@ -122,7 +122,7 @@ Command add_edit(CommandLine& app) {
   CommandLine& c =
       app.add_subcommand("edit", "Function file → function file, with parts fitted anew, smoothed or removed");
   auto a = std::make_shared<EditArguments>();
-  c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
+  c.add_option("input", a->input, "Function, .smf").type_name("FILE").endings({".smf"}).required();
   c.add_option("--script", a->script, "What to do: JSON, see below").type_name("FILE").required();
   c.add_option("-o,--output", a->output, "Function to write: .smf").type_name("FILE");
   c.add_option(

@@ -5,22 +5,8 @@
 namespace sansmesh::cli {
 namespace {
 
-struct FlagOfField {
-  std::string_view field, flag;
-};
-
-/// Where the flag is not the field's name with dashes. Of several, the first that a command has.
-constexpr FlagOfField kFlags[] = {{"range", "--color-range"},
-                                  {"classes", "--class"},
-                                  {"fill_values", "--fill-value"},
-                                  {"stiffness_damping", "--damping"},
-                                  {"frames_per_second", "--fps"}};
-
 /// What the command calls a field; empty if it has no option for it.
 std::string flag_of(std::string_view field, const CommandLine& command) {
-  const auto known = [&](std::string_view flag) {
-    return command.has(std::string(flag)) ? std::string(flag) : std::string();
-  };
   for (const auto& option : command.options())
     if (option->field == field) return option->name();
   // A flag that turns its field on or, where there is no such flag, that which turns it off.
@@ -30,10 +16,8 @@ std::string flag_of(std::string_view field, const CommandLine& command) {
       return option->name();
   for (const auto& option : command.options())
     if (option->row && !option->row->old_name.empty() && option->row->old_name == field) return option->name();
-  for (const FlagOfField& f : kFlags)
-    if (f.field == field)
-      if (std::string flag = known(f.flag); !flag.empty()) return flag;
-  return known(flag_of_name(field));
+  const std::string flag = flag_of_name(field);
+  return command.has(flag) ? flag : std::string();
 }
 
 /// A field, or one with a value.

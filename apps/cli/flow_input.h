@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "json.h"
-#include "sansmesh/jobs/flow_model.h"
+#include "sansmesh/flow.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {

@@ -1,5 +1,5 @@
 // sansmesh flow lines: stream, path, streak and time lines.
-#include "sansmesh/jobs/flow_lines.h"
+#include "sansmesh/flow.h"
 
 #include <fmt/core.h>
 

@@ -9,9 +9,9 @@
 #include "flow_surface_input.h"
 #include "option_groups.h"
 #include "picture_contents.h"
+#include "sansmesh/flow_pictures.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/jobs/flow_pictures.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {
@@ -32,7 +32,8 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
   set_background(a.options.picture, a.background);
   a.options.validate();
   a.picture.check_frames(a.options.frames.has_value());
-  require(!a.options.in_volume() || !a.input.flow.unsteady, "--volume and --iso need a steady flow");  // before reading
+  require(!a.options.in_volume() || !a.input.flow.unsteady,
+          "--volume-array and --iso need a steady flow");  // before reading
   const FlowModel flow = a.input.open(console);
   check_colors(flow, a.options);
   std::vector<std::string> files;
@@ -63,10 +64,10 @@ Command add_flow_render(CommandLine& flow) {
   c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
   add_schema(c, a.options,
              {.group = "Look",
-              .only = {"smooth", "streak_length", "streak_width", "streak_contrast", "splats", "opacity", "arrows",
+              .only = {"streaks", "streak_length", "streak_width", "streak_contrast", "splats", "opacity", "arrows",
                        "color_by", "frames", "turn"}});
   add_schema(c, a.options,
-             {.group = "Beside the surface", .only = {"volume", "volume_preset", "volume_opacity", "iso"}});
+             {.group = "Beside the surface", .only = {"volume_array", "preset", "opacity_factor", "iso"}});
   a.contents.add_options(c);
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});
   add_background_option(c, a.background);

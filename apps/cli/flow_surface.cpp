@@ -1,5 +1,5 @@
 // sansmesh flow surface: stream, path, streak and time surfaces.
-#include "sansmesh/jobs/flow_surface.h"
+#include "sansmesh/flow.h"
 
 #include <fmt/core.h>
 

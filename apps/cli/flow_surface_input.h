@@ -3,7 +3,7 @@
 
 #include "flow_input.h"
 #include "json.h"
-#include "sansmesh/jobs/flow_surface.h"
+#include "sansmesh/flow.h"
 
 namespace sansmesh::cli {
 

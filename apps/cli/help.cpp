@@ -26,8 +26,10 @@ Command add_help(CommandLine& app) {
   c.without_common_options();
   auto words = std::make_shared<std::vector<std::string>>();
   auto all = std::make_shared<bool>(false);
-  c.add_option("command", *words,
-               "Command, and if it has some, which of its own; then a heading of its options may follow [all commands]")
+  c.add_option(
+       "command", *words,
+       "Command, and if it has some, which of its own; then a heading of its options may follow; or view: the options "
+       "of all pictures [all commands]")
       .type_name("COMMAND");
   c.add_flag("--all", *all, "Every option, as --help-all");
   c.footer(
@@ -35,8 +37,10 @@ Command add_help(CommandLine& app) {
       "  sansmesh help reconstruct\n"
       "  sansmesh help reconstruct --all\n"
       "  sansmesh help render picture\n"
+      "  sansmesh help view\n"
       "  sansmesh help volume render");
   return {&c, [words, all, &app](Console&) {
+            if (words->size() == 1 && words->front() == "view") return print_out(help_on_views(app));
             if (words->size() > 1) {
               const CommandLine& command = command_of(app, {words->begin(), words->end() - 1});
               const std::string group = help_on_group(command, words->back());

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cctype>
 
+#include "help_levels.h"
+
 namespace sansmesh::cli {
 namespace {
 
@@ -118,16 +120,14 @@ std::vector<OptionGroup> option_groups_of(const CommandLine& command) {
 
 namespace {
 
-/// So many options are shown at least, before those under further headings are only named.
-constexpr std::size_t kFirst = 12;
-/// Fewer than this under a heading are not worth to be hidden.
-constexpr std::size_t kFew = 3;
-
-std::string lines_of_group(const OptionGroup& group) {
-  std::string text = group.heading.empty() ? "\n" : "\n" + group.heading + ":\n";
-  for (const OptionEntry* option : group.options)
+std::string lines_of_group(const OptionGroup& group, bool all = true) {
+  std::string text;
+  for (const OptionEntry* option : group.options) {
+    if (option->advanced && !all) continue;
+    if (text.empty()) text = group.heading.empty() ? "\n" : "\n" + group.heading + ":\n";
     text += entry_lines(option_words(*option),
                         option->what + (option->required && !option->positional() ? " (required)" : ""));
+  }
   return text;
 }
 
@@ -138,9 +138,11 @@ std::string word_of_heading(const std::string& heading) {
   return word;
 }
 
+/// Of those that are not shown at first.
 std::string names_in(const OptionGroup& group) {
   std::string names;
-  for (const OptionEntry* option : group.options) names += (names.empty() ? "" : " ") + option->name();
+  for (const OptionEntry* option : group.options)
+    if (option->advanced) names += (names.empty() ? "" : " ") + option->name();
   return names;
 }
 
@@ -156,24 +158,32 @@ std::string help_on_group(const CommandLine& command, const std::string& word) {
   return "";
 }
 
+std::string help_on_views(const CommandLine& tool) {
+  for (const auto& command : tool.commands())
+    if (std::string text = help_on_group(*command, word_of_heading(kViewGroup)); !text.empty())
+      return "Of every command that makes pictures.\n\n" + text;
+  return "";
+}
+
 std::string help_text(const CommandLine& command, bool all) {
   std::string text = command.what() + "\n\nUsage: " + usage_of(command) + "\n";
   if (!command.commands().empty()) {
     text += "\nCommands:\n";
     for (const auto& further : command.commands()) text += entry_lines(further->name(), further->what());
   }
-  std::size_t shown = 0;
+  const std::string& tool = command.root().name();
   std::string named;
   for (const OptionGroup& group : option_groups_of(command)) {
-    if (all || shown < kFirst || group.options.size() < kFew) {
-      text += lines_of_group(group);
-      shown += group.options.size();
-    } else {
-      named += entry_lines(word_of_heading(group.heading), names_in(group));
-    }
+    text += lines_of_group(group, all);
+    if (all) continue;
+    if (group.heading == kViewGroup)
+      named +=
+          entry_lines(word_of_heading(group.heading),
+                      "Size of pictures, and from where they look: the same in all commands, " + tool + " help view");
+    else if (const std::string names = names_in(group); !names.empty())
+      named += entry_lines(word_of_heading(group.heading), names);
   }
   if (!named.empty()) {
-    const std::string& tool = command.root().name();
     const std::string words = words_of_command(command);
     text += fmt::format("\nMore options: {}{} --help-all, or {} help{} and one of these words:\n", tool, words, tool,
                         words);

@@ -15,6 +15,8 @@ std::string help_text(const CommandLine& command, bool all = false);
 /// The options under one heading, "picture" for "Picture", "raw-files" for "Raw files"; empty if the command has no
 /// such heading.
 std::string help_on_group(const CommandLine& command, const std::string& word);
+/// The options of views, which are the same in all commands that have them.
+std::string help_on_views(const CommandLine& tool);
 /// A few lines for somebody who typed a command and nothing else: usage, an example or two, where to read on.
 std::string short_help(const CommandLine& command);
 

@@ -7,6 +7,7 @@
 
 #include "cloud_input.h"
 #include "commands.h"
+#include "error_words.h"
 #include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
@@ -162,6 +163,13 @@ void run_info(const CloudInput& input, Console& console) {
   console.print_timings();
 }
 
+/// `said`: the files were said to be a volume.
+void run_any_info(const CloudInput& input, VolumeInput volume, bool said, Console& console) {
+  if (!said && !are_volumes(input.files) && !volume.read.raw.given()) return run_info(input, console);
+  volume.files = input.files;
+  run_volume_info(volume, console);
+}
+
 }  // namespace
 
 Command add_info(CommandLine& app) {
@@ -170,19 +178,40 @@ Command add_info(CommandLine& app) {
                                       "and arrays of volumes");
   auto input = std::make_shared<CloudInput>();
   auto volume = std::make_shared<VolumeInput>();
-  add_cloud_input(c, *input,
-                  "Points, mesh, function (.smf) or volume; `data FILE` takes points for samples of a volume");
+  add_cloud_input(
+      c, *input,
+      "Points, mesh, function (.smf) or volume, or several of them; `data FILE` takes points for samples of a "
+      "volume",
+      false);
   add_raw_options(c, volume->read);
   c.footer(std::string(kReadable) + "\n" + kReadableVolumes +
            "\n\nExamples:\n"
            "  sansmesh info scan.ply\n"
+           "  sansmesh info *.ply --json\n"
+           "  sansmesh info west.las east.las --as-one\n"
            "  sansmesh info fire.vtu\n"
            "  sansmesh info data samples.csv");
-  return {&c, [input, volume](Console& console) {
-            const bool named = names_volume(input->files);
-            if (!named && !volume->read.raw.given()) return run_info(*input, console);
-            volume->files = input->files;
-            run_volume_info(*volume, console);
+  auto as_one = std::make_shared<bool>(false);
+  c.add_flag("--as-one", *as_one, "Several files (tiles, blocks) are one cloud, or one volume");
+  return {&c, [input, volume, as_one, &c](Console& console) {
+            const bool said = says_volume(input->files);
+            if (*as_one || input->files.size() == 1) return run_any_info(*input, *volume, said, console);
+            console.list_results();
+            bool told = false;
+            for (const std::string& file : input->files) {
+              CloudInput one = *input;
+              one.files = {file};
+              if (std::exchange(told, true)) console.say("");
+              try {
+                run_any_info(one, *volume, said, console);
+              } catch (const FileError& error) {
+                told = false;
+                console.fail(file, words_of_file_error(error, c));
+              } catch (const DataError& error) {
+                told = false;
+                console.fail(file, file + ": " + console.in_flags(error.what()));
+              }
+            }
           }};
 }
 

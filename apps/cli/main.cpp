@@ -2,15 +2,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <new>
-#include <stdexcept>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "command_table.h"
+#include "error_words.h"
 #include "flags.h"
 #include "help_text.h"
 #include "interrupt.h"
@@ -46,8 +43,9 @@ void warn_of_old_names(const CommandLine& line, Console& console) {
       console.warn({fmt::format(kOld, option->typed, option->name())});
 }
 
-/// Where it fails, `kept` says which of its files are there all the same: more words for the error.
-void run(const Command& command, const CommonArguments& common, std::string& kept) {
+/// Where it fails, `kept` says which of its files are there all the same: more words for the error. Returns the exit
+/// code.
+int run(const Command& command, const CommonArguments& common, std::string& kept) {
   const ThreadScope threads(common.threads);
   Console console(common.console, *command.line);
   try {
@@ -65,6 +63,7 @@ void run(const Command& command, const CommonArguments& common, std::string& kep
     throw Interrupted{abandon_outputs()};
   }
   end_of_interrupts();
+  return console.has_failed() ? kFailed : 0;
 }
 
 /// One line, or for somebody who typed nothing but a command, what to type next.
@@ -75,36 +74,6 @@ void report(const UsageError& error) {
   }
   const std::string command = error.command->full_name().substr(error.command->root().name().size());
   print_error(fmt::format("{} (see sansmesh help{})", error.what(), command));
-}
-
-/// A file that is not there, and what may have been meant.
-std::string with_similar_file(const FileError& error, const CommandLine& command) {
-  std::string message = error.what();
-  std::error_code ignored;
-  if (std::filesystem::exists(error.file(), ignored)) return message;
-  for (const std::string cause : {": cannot be opened", ": cannot be read"})
-    if (message.ends_with(cause)) message.replace(message.size() - cause.size(), cause.size(), ": no such file");
-  if (command.has("--" + error.file().substr(0, error.file().find('='))))
-    return message + " (did you mean --" + error.file() + "?)";
-  for (const char* const cause :
-       {": no such file", ": does not exist", ": folder does not exist", ": no function file"})
-    if (message.find(cause) != std::string::npos) {
-      const std::string listed = did_you_mean_listed(message, error.file());
-      return message + (listed.empty() ? did_you_mean_file(error.file()) : listed);
-    }
-  return message;
-}
-
-/// Message for an exception of another library, in our words.
-std::string words_of(const std::exception& error) {
-  if (dynamic_cast<const Error*>(&error)) return error.what();
-  if (dynamic_cast<const std::bad_alloc*>(&error) || dynamic_cast<const std::length_error*>(&error))
-    return "not enough memory";
-  if (const auto* of_file = dynamic_cast<const std::filesystem::filesystem_error*>(&error))
-    return of_file->path1().string() + ": cannot be used (" + of_file->code().message() + ")";
-  if (const auto* of_system = dynamic_cast<const std::system_error*>(&error))
-    return "the system refuses what is needed (" + of_system->code().message() + ")";
-  return std::string("an error in sansmesh itself, please report it (") + error.what() + ")";
 }
 
 /// The line for people and, with --json, the same as data: `kind` is argument, file, data, interrupted or other.
@@ -149,7 +118,7 @@ int run_line(int argc, char** argv) {
     const ParsedLine parsed = parse_line(line, {argv + 1, argv + argc});
     chosen = parsed.command;
     if (parsed.wish == ParsedLine::Wish::run) {
-      run(command_of_line(commands, *chosen), common, kept);
+      return run(command_of_line(commands, *chosen), common, kept);
     } else {
       print_out(parsed.wish == ParsedLine::Wish::version
                     ? "sansmesh " SANSMESH_VERSION "\n"
@@ -174,13 +143,13 @@ int run_line(int argc, char** argv) {
         .with("allowed", fault.allowed)
         .print(common.console.json, kUsage);
   } catch (const FileError& error) {
-    return Failure("file", with_similar_file(error, *chosen) + kept)
+    return Failure("file", words_of_file_error(error, *chosen) + kept)
         .with("file", error.file())
         .print(common.console.json, kFailed);
   } catch (const DataError& error) {
     return Failure("data", in_flags(error.what(), *chosen) + kept).print(common.console.json, kFailed);
   } catch (const std::exception& error) {
-    return Failure("other", in_flags(words_of(error), *chosen) + kept).print(common.console.json, kFailed);
+    return Failure("other", in_flags(words_of_error(error), *chosen) + kept).print(common.console.json, kFailed);
   }
 }
 

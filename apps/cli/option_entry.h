@@ -28,6 +28,7 @@ struct OptionEntry {
   std::vector<std::string> words;    ///< the only ones that are taken; any if there are none
   std::vector<std::string> endings;  ///< of files, with dots; those that `what` names if there are none
   bool required = false;
+  bool advanced = false;               ///< in this command: help names it, and shows it where all is asked for
   bool repeated = false;               ///< may be given several times
   bool in_order = false;               ///< used once for each time that it was given, in turn with others of that kind
   bool several = false;                ///< takes words as long as there are some that fit

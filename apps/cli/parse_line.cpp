@@ -7,15 +7,17 @@
 #include <filesystem>
 #include <utility>
 
+#include "help_levels.h"
 #include "option_values.h"
 #include "sansmesh/error.h"
+#include "standard_streams.h"
 #include "suggestions.h"
 
 namespace sansmesh::cli {
 namespace {
 
 bool looks_like_an_option(const std::string& word) {
-  return word.size() > 1 && word[0] == '-' && !are_numbers(word) && word.find_first_of(" <>=") != 1;
+  return word.size() > 1 && word[0] == '-' && !are_numbers(word) && word.find_first_of(" <>=.") != 1;
 }
 
 /// Words that begin like a number are one that was mistyped, unless there is such a file.
@@ -277,7 +279,7 @@ class LineReader {
     const auto count = 1 + std::count(word.begin(), word.end(), ',');
     std::string hint;
     for (const auto& option : at_->options()) {
-      if (option->positional() || option->numbers != count || option->group == "Picture") continue;
+      if (option->positional() || option->numbers != count || option->group == kViewGroup) continue;
       if (!hint.empty()) return "";
       hint = fmt::format(" (did you mean {} {}?)", option->name(), printable(word, 60));
     }
@@ -355,6 +357,7 @@ ParsedLine parse_line(CommandLine& root, const std::vector<std::string>& words) 
   const ParsedLine parsed = reader.read();
   if (parsed.wish != ParsedLine::Wish::run) return parsed;
   CommandLine& command = *parsed.command;
+  name_standard_streams(command);
   use_options(command, command);
   use_in_order(command, reader.given_in_order());
   if (command.parent()) {

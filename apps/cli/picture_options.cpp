@@ -4,8 +4,10 @@
 
 #include <filesystem>
 
+#include "help_levels.h"
 #include "sansmesh/io.h"
 #include "schema_options.h"
+#include "standard_streams.h"
 
 namespace sansmesh::cli {
 
@@ -25,6 +27,7 @@ void set_background(RenderOptions& o, const std::string& word) {
 }
 
 std::string frame_name(const std::string& output, std::size_t frame, int digits) {
+  check_holds_several(output);
   const std::filesystem::path path(output);
   return (path.parent_path() /
           fmt::format("{}_{:0{}}{}", path.stem().string(), frame, digits, path.extension().string()))
@@ -39,7 +42,7 @@ void add_background_option(CommandLine& c, std::string& word, const std::string&
 }
 
 void add_picture_options(CommandLine& c, PictureArguments& a) {
-  const char* const group = "Picture";
+  const char* const group = kViewGroup;
   add_schema(c, a.options, {.group = group, .only = {"width", "height"}});
   add_schema(c, a.place, {.group = group, .without = {"crop"}});
   add_schema(c, a.options, {.group = group, .only = {"field_of_view", "orthographic"}});

@@ -87,7 +87,7 @@ Command add_probe(CommandLine& app) {
   CommandLine& c = app.add_subcommand("probe", "Function file → its value, gradient and curvature at points");
   c.once_called("eval");
   auto a = std::make_shared<ProbeArguments>();
-  c.add_option("input", a->input, "Function, .smf").type_name("FILE").required();
+  c.add_option("input", a->input, "Function, .smf").type_name("FILE").endings({".smf"}).required();
   c.add_option("--points", a->points.files, "Where: the points of this file; may be repeated (tiles)")
       .type_name("FILE")
       .repeated();

@@ -47,7 +47,7 @@ void run_project(const ProjectArguments& a, Console& console) {
 
   const SurfaceProjection& r = made.report.moved;
   console.say(fmt::format("{}: {} ({})", input.name(), counted(count, "point"), read.format));
-  if (made.report.method != "lop" && !a.options.points)
+  if (made.report.method != "lop" && !a.options.point_count)
     console.say(fmt::format("moved by {} on average (root mean square {}, at most {}); {} too far from the samples",
                             length(r.mean_move), length(r.rms_move), length(r.largest_move), grouped(r.left_out)));
   console.say(fmt::format("{}: {} by {}{}", a.output, counted(made.points.size(), "point"), made.report.method,
@@ -81,8 +81,8 @@ Command add_project(CommandLine& app) {
            "\n\nExamples:\n"
            "  sansmesh project noisy.ply -o smooth.ply\n"
            "  sansmesh project probes.xyz --onto scan.ply -o feet.ply --method levin\n"
-           "  sansmesh project scan.ply -o dense.ply --points 1000000\n"
-           "  sansmesh project outliers.ply -o even.ply --method lop --points 20000");
+           "  sansmesh project scan.ply -o dense.ply --point-count 1000000\n"
+           "  sansmesh project outliers.ply -o even.ply --method lop --point-count 20000");
   return {&c, [shared](Console& console) { run_project(*shared, console); }};
 }
 

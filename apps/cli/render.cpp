@@ -166,11 +166,11 @@ Command add_render(CommandLine& app) {
   add_accessibility_options(c, a.picture);
   add_schema(c, a.options, {.group = "Objects", .only = {"color", "opacity", "name", "legend"}});
   c.add_flag("--as-one", a.as_one, "Several files (tiles) are one object").group("Objects");
-  add_schema(c, a.options, {.group = "Colours", .only = {"color_by", "value_range", "bar", "unit", "color_range"}});
+  add_schema(c, a.options, {.group = "Colours", .only = {"color_by", "color_range", "bar", "unit"}});
   const std::vector<std::string_view> of_light = {"reflection", "transmission", "refraction_index"};
   add_schema(c, a.options.look, {.group = "Surface", .only = of_light});
   add_schema(c, a.options, {.group = "Surface", .only = {"rays"}});
-  add_schema(c, a.options.look, {.group = "Surface", .only = {"exact_shadows", "plain"}});
+  add_schema(c, a.options.look, {.group = "Surface", .only = {"exact_shadows", "quick"}});
   add_schema(c, a.options, {.group = "Surface", .only = {"splats", "frames"}});
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"

@@ -10,6 +10,7 @@
 #include "sansmesh/model/surface_method.h"
 #include "sansmesh/volume/volume_method.h"
 #include "standard_output.h"
+#include "standard_streams.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -42,7 +43,11 @@ const char* kind_word(const OptionEntry& option) {
 Json json_of_option(const OptionEntry& option) {
   Json names = Json::array();
   for (const std::string& name : option.names) names.push_back(name);
-  Json json = {{"names", names}, {"kind", kind_word(option)}, {"text", option.what}, {"group", option.group}};
+  Json json = {{"names", names},
+               {"kind", kind_word(option)},
+               {"text", option.what},
+               {"group", option.group},
+               {"level", option.advanced ? "advanced" : "basic"}};
   if (!option.field.empty()) json["field"] = option.field;
   if (option.kind != OptionEntry::Kind::flag) json["value"] = option.value_name;
   if (option.row && !option.row->unit.empty()) json["unit"] = option.row->unit;
@@ -55,6 +60,7 @@ Json json_of_option(const OptionEntry& option) {
   if (option.implied) json["implied"] = *option.implied;
   if (!option.excludes.empty()) json["excludes"] = option.excludes;
   if (!option.old_names.empty()) json["old_names"] = option.old_names;
+  if (option.is_file()) json["written"] = writes_file(option);
   if (option.required) json["required"] = true;
   if (option.repeated || option.several) json["repeated"] = true;
   return json;
@@ -149,7 +155,9 @@ Command add_schema_command(CommandLine& app) {
       "Each option has `names`, `kind`, `text` and `group`; where they apply `field` (in errors and bindings), "
       "`value`,\n"
       "`unit`, `usual` (its value where it is not given), `from_data`, `range`, `choices`, `numbers`, `endings`,\n"
-      "`implied`, `excludes`, `old_names` (understood, and warned of), `required` and `repeated`. Ends of a range that "
+      "`implied`, `excludes`, `old_names` (understood, and warned of), `written` (of files), `required` and "
+      "`repeated`; `level` is "
+      "basic or advanced. Ends of a range that "
       "are null are infinite; those of `above`\n"
       "and `below` are excluded. `surfaces` and `volume_methods` are the methods of --surface and, for volumes, of "
       "--method, with the fields\n"

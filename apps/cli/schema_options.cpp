@@ -102,7 +102,8 @@ std::string what_of(const OptionRow& row, const std::string& usual, const Schema
   return what;
 }
 
-void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool value, const SchemaOptions& how) {
+void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool value, bool usual,
+                     const SchemaOptions& how) {
   const std::string negative = row.negative.empty() ? "no_" + std::string(row.name) : std::string(row.negative);
   std::string what = sentence_of(row, value || row.negative_text.empty() ? row.text : row.negative_text, how);
   if (value && !row.from_data.empty()) what += " [" + std::string(row.from_data) + "]";
@@ -111,7 +112,8 @@ void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool val
   entry.row = &row;
   // The two flags of a pair exclude each other.
   if (value && row.optional) entry.excludes = flag_of_name(negative);
-  if (value && !row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
+  // Of a flag that is on by itself the old name is of turning it off, the only one that there is.
+  if (value != usual && !row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
   entry.field = value ? std::string(row.name) : std::string(row.name) + " = false";
   entry.use = [&row, owner, value](const std::vector<std::string>&) { set_option(row, owner, value); };
 }
@@ -120,8 +122,9 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   const OptionValue now = option_value(row, owner);
   if (row.kind == OptionKind::flag) {
     const bool* const value = std::get_if<bool>(&now);
-    if (!value || !*value) add_flag_of_row(c, row, owner, true, how);
-    if (!value || *value) add_flag_of_row(c, row, owner, false, how);
+    const bool usual = value && *value;
+    if (!usual) add_flag_of_row(c, row, owner, true, usual, how);
+    if (!value || usual) add_flag_of_row(c, row, owner, false, usual, how);
     return;
   }
   const std::string usual = usual_words_of(row, now);
@@ -172,8 +175,11 @@ void in_words_of_the_line(const std::function<void()>& call) {
 }
 
 void name_flags(CommandLine& command) {
-  for (const auto& option : command.options())
+  for (const auto& option : command.options()) {
     if (option->row) option->what = in_flags(option->what, command);
+    // Not where another option is called so.
+    std::erase_if(option->old_names, [&](const std::string& old) { return command.find(old) != option.get(); });
+  }
 }
 
 }  // namespace sansmesh::cli

@@ -1,11 +1,10 @@
 // sansmesh simulate: tetrahedra that move by forces.
-#include "sansmesh/jobs/simulate.h"
+#include "sansmesh/simulate.h"
 
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <array>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,42 +12,13 @@
 #include <vector>
 
 #include "commands.h"
-#include "sansmesh/dataset/tet_dataset.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/file_content.h"
-#include "sansmesh/io/vertex_list.h"
 #include "schema_options.h"
 #include "simulate_frames.h"
 
 namespace sansmesh::cli {
 namespace {
-
-/// The scene from its file, with the vertices that --fixed names.
-SceneScript read_scene(const SimulateArguments& a, const TetDataset& body) {
-  SceneScript s;
-  if (!a.forces.empty()) {
-    SceneVertices vertices;
-    vertices.mesh = &body.mesh;
-    vertices.find = [&](std::uint64_t n) { return body.vertex(n); };
-    vertices.list = [&](const std::string& file) {
-      return read_vertex_list((std::filesystem::path(a.forces).parent_path() / file).string());
-    };
-    const io::FileContent content(a.forces);
-    try {
-      s = parse_scene_script(std::string(content.bytes()), vertices, a.picture.place.z_up);
-    } catch (const ArgumentError& error) {
-      throw FileError(a.forces, error.what());
-    }
-  }
-  if (a.fixed.empty()) return s;
-  for (const std::uint64_t n : read_vertex_list(a.fixed)) try {
-      s.scene.fixed.push_back(body.vertex(n));
-    } catch (const DataError& error) {
-      throw FileError(a.fixed, error.what());
-    }
-  return s;
-}
 
 /// Errors of what the scene says are those of its file, others of the body's.
 template <class Work>
@@ -123,7 +93,7 @@ std::string material_words(const SoftBodyOptions& o) {
                            o.stiffness_damping);
 }
 
-void report_simulation(const SimulateArguments& a, const TetDataset& body, const SimulationPlan& plan,
+void report_simulation(const SimulateArguments& a, const SimulationBody& body, const SimulationPlan& plan,
                        const SimulateReport& r, const std::vector<std::string>& files, Console& console) {
   const SoftBodyOptions& options = plan.options;
   const DynamicsScene& scene = plan.scene;
@@ -146,7 +116,7 @@ void report_simulation(const SimulateArguments& a, const TetDataset& body, const
                      {{"file", a.tets},
                       {"vertices", plan.rest->vertices.size()},
                       {"tetrahedra", plan.rest->tets.size()},
-                      {"notes", body.notes}}},
+                      {"notes", body.notes()}}},
                     {"scene",
                      {{"fixed", scene.fixed.size()},
                       {"forces", scene.forces.size()},
@@ -178,12 +148,12 @@ void report_simulation(const SimulateArguments& a, const TetDataset& body, const
 
 void run_simulate(SimulateArguments& a, Console& console) {
   a.check();
-  TetDataset body = read_tets(a.tets);
-  console.warn(a.tets, body.notes);
-  SceneScript scene = read_scene(a, body);
+  const SimulationBody body = read_body(a.tets);
+  console.warn(a.tets, body.notes());
+  SceneScript scene = read_scene(a.forces, a.fixed, body, a.picture.place.z_up);
   a.options.z_up = a.picture.place.z_up;
   const SimulationPlan plan =
-      with_files(a, console, [&] { return plan_simulation(std::move(body.mesh), std::move(scene), a.options); });
+      with_files(a, console, [&] { return plan_simulation(body.mesh(), std::move(scene), a.options); });
   console.note(a.tets, plan.notes);
   const auto surface = open_surface(a, *plan.rest, console);
   a.check_overwriting(plan.frames);
@@ -193,7 +163,7 @@ void run_simulate(SimulateArguments& a, Console& console) {
       with_files(a, console, [&] { return simulate(plan, kept, !a.energies.empty(), console.progress()); });
   console.note(a.tets, made.notes);
   if (draw.pictures) draw.pictures->show(made.motion, plan.scene);
-  std::vector<std::string> files = write_outputs(a, *made.motion, *surface, draw, console);
+  std::vector<std::string> files = write_outputs(a, made.motion, *surface, draw, console);
   if (!a.energies.empty()) {
     write_text(a.energies, energy_table(made.report));
     files.push_back(a.energies);
@@ -219,8 +189,9 @@ Command add_simulate(CommandLine& app) {
   c.add_option("--animation", a.animation, "Pictures of all frames in one file, an animated PNG that browsers play")
       .type_name("FILE");
   c.add_option("--energies", a.energies, "Energies, iterations and contacts of every step: .csv").type_name("FILE");
-  c.add_option("--surface", a.surface, "Mesh that moves with the tetrahedra, in place of their boundary")
-      .type_name("FILE");
+  c.add_option("--embedded-mesh", a.surface, "Mesh that moves with the tetrahedra, in place of their boundary")
+      .type_name("FILE")
+      .once_called("--surface");
   const char* const body = "Body";
   c.add_option("--fixed", a.fixed, "List of vertices that stay where they are (.bou), numbered as in TETS")
       .type_name("FILE")
@@ -229,8 +200,9 @@ Command add_simulate(CommandLine& app) {
              {.group = body, .only = {"model", "stiffness", "young", "poisson", "damping", "density", "unit"}});
   add_schema(c, a.options, {.group = "Time", .only = {"duration", "fps", "frames", "integrator", "longest_step"}});
   const char* const seen = "Volume";
-  c.add_option("--volume", a.volume_file, "Volume that moves with the tetrahedra, for pictures")
+  c.add_option("--embedded-volume", a.volume_file, "Volume that moves with the tetrahedra, for pictures")
       .type_name("FILE")
+      .once_called("--volume")
       .group(seen);
   c.add_option("--array", a.volume.array, "Of the volume [the first that varies]").type_name("NAME").group(seen);
   a.colors.add_options(c, seen);
@@ -243,10 +215,10 @@ Command add_simulate(CommandLine& app) {
       "--z-up: "
       "z).\nScenes: docs/formats/scene.md. Without one the body falls onto a floor; with --fixed it hangs.\n\n"
       "Examples:\n"
-      "  sansmesh simulate turtle.veg --fixed turtle.bou --surface turtle.obj -o turtle.ply\n"
+      "  sansmesh simulate turtle.veg --fixed turtle.bou --embedded-mesh turtle.obj -o turtle.ply\n"
       "  sansmesh simulate dolphin.msh --unit cm --animation dolphin.png --width 480 --height 360\n"
       "  sansmesh simulate bar.msh --forces twist.json -o twist.vtu --energies twist.csv      # open twist.pvd\n"
-      "  sansmesh simulate head.msh --forces pull.json --volume head.vti --preset ct-bone -o head.png\n"
+      "  sansmesh simulate head.msh --forces pull.json --embedded-volume head.vti --preset ct-bone -o head.png\n"
       "  twist.json: {\"fixed\": {\"side\": \"-x\"},\n"
       "               \"handles\": {\"on\": {\"side\": \"+x\"}, \"turn\": {\"axis\": [1, 0, 0], \"degrees\": 180}}}");
   return {&c, [shared](Console& console) { run_simulate(*shared, console); }};

@@ -87,9 +87,9 @@ void SimulateArguments::check() const {
   for (const std::string& o : outputs) check_frames_writable(o);
   if (!animation.empty()) check_writable(animation, "image");
   if (!energies.empty()) check_writable(energies, "text");
-  require(volume_file.empty() || draws(), "--volume needs pictures: --output NAME.png or --animation");
+  require(volume_file.empty() || draws(), "--embedded-volume needs pictures: --output NAME.png or --animation");
   require(!volume_file.empty() || (colors.usual() && volume.array.empty()),
-          "--array, --preset, --transfer, --opacity and --iso belong to --volume");
+          "--array, --preset, --transfer, --opacity-factor and --iso belong to --embedded-volume");
   options.validate();
   picture.chosen().validate();
   picture.check_frames(true);

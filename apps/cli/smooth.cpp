@@ -75,7 +75,7 @@ Command add_smooth(CommandLine& app) {
       "Vertices move, triangles stay as they are. Reported: how far, and the change of volume.\n\n"
       "Examples:\n"
       "  sansmesh smooth scan.ply -o smooth.ply\n"
-      "  sansmesh smooth scan.ply -o smoother.ply --length 2.5\n"
+      "  sansmesh smooth scan.ply -o smoother.ply --shorter-than 2.5\n"
       "  sansmesh smooth part.stl -o part.ply --creases");
   return {&c, [a](Console& console) { run_smooth(*a, console); }};
 }

@@ -1,4 +1,5 @@
-// How a volume is seen in a picture: what --preset, --transfer, --opacity and --iso say, of all commands that draw one.
+// How a volume is seen in a picture: what --preset, --transfer, --opacity-factor and --iso say, of all commands that
+// draw one.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // sansmesh volume fit: a volume with its reconstruction, ready for all that comes after.
-#include "sansmesh/jobs/fit_volume.h"
+#include "sansmesh/volumes.h"
 
 #include <fmt/format.h>
 
@@ -29,22 +29,22 @@ void run_volume_fit(const VolumeFitArguments& a, Console& console) {
   check_writable(a.output, "text");
   VolumeModel volume = a.input.open(console);
   const FitVolumeResult made = fit_volume(volume, a.options, console.progress());
-  const FittedVolume& fitted = made.fitted;
   const FitVolumeReport& r = made.report;
   console.progress().begin("write");
-  write_volume_file(a.output, fitted);
+  write_fit(a.output, made);
   console.progress().finish();
 
   console.say(method_line(volume));
-  console.say(fmt::format("{}: {} ({})", volume.name(), counted(r.samples, "sample"), fitted.volume->facts.grid));
+  console.say(fmt::format("{}: {} ({})", volume.name(), counted(r.samples, "sample"),
+                          volume.samples(console.progress())->facts.grid));
   if (!r.by_degree.empty())
     console.say(fmt::format("polynomials of degree 0 to {}: {}", r.by_degree.size() - 1, fmt::join(r.by_degree, ", ")));
   console.note(volume.name(), made.notes);
-  console.say(fmt::format("{}: {}, {:.3g} MB", a.output, counted(fitted.arrays.size(), "array"),
+  console.say(fmt::format("{}: {}, {:.3g} MB", a.output, counted(r.arrays.size(), "array"),
                           static_cast<double>(written_size(a.output)) / 1e6));
   std::vector<std::string> arrays;
-  arrays.reserve(fitted.arrays.size());
-  for (const DatasetArray& array : fitted.arrays) arrays.push_back(printable(array.name));
+  arrays.reserve(r.arrays.size());
+  for (const std::string& array : r.arrays) arrays.push_back(printable(array));
   console.say_json({{"input", json_of_volume(a.input, volume, console.progress())},
                     {"by_degree", r.by_degree},
                     {"output", {{"file", a.output}, {"arrays", arrays}, {"samples", r.samples}}}});

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/volume_info.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -46,26 +46,26 @@ void describe_array(const DatasetArray& a, Console& console, Json& list) {
 }
 
 /// The reconstruction that a fitted volume holds.
-void describe_fitted(const FittedVolume& fitted, Console& console, Json& json) {
-  const ReconstructionOptions& o = fitted.chosen;
+void describe_fitted(const HeldReconstruction& fitted, Console& console, Json& json) {
+  const ReconstructionOptions& o = fitted.options;
   const std::string_view method = o.method.value();
   std::string options;
   const auto add = [&](const char* name, const auto& value) {
     if (value) options += fmt::format("{}{} {}", options.empty() ? "" : ", ", name, *value);
   };
-  add("degree at most", o.degree), add("radius", o.radius), add("shape", o.shape), add("order", o.order);
+  add("degree at most", o.degree), add("radius", o.radius), add("epsilon", o.epsilon), add("order", o.order);
   add("iterations", o.iterations);
   if (o.spherical.value_or(false)) options += options.empty() ? "spherical" : ", spherical";
   say(console, "fitted",
       fmt::format("{} by {}{}", printable(fitted.array, 80), method, options.empty() ? "" : " (" + options + ")"));
-  const std::vector<std::size_t> by_degree = fitted.coefficients.by_degree();
+  const std::vector<std::size_t>& by_degree = fitted.by_degree;
   if (!by_degree.empty())
     say(console, "polynomials", fmt::format("of degree 0 to {}: {}", by_degree.size() - 1, fmt::join(by_degree, ", ")));
   json["reconstruction"] = {{"array", printable(fitted.array)},
                             {"method", method},
                             {"degree", o.degree},
                             {"radius", o.radius},
-                            {"shape", o.shape},
+                            {"epsilon", o.epsilon},
                             {"order", o.order},
                             {"iterations", o.iterations},
                             {"spherical", o.spherical.value_or(false)},
@@ -84,9 +84,8 @@ void run_volume_info(const VolumeInput& input, Console& console) {
   const Box3 box = samples->bounds();
   const Vec3 size = box.size();
   console.progress().finish();
-  const VolumeDataset& dataset = volume.dataset();
 
-  console.say(fmt::format("{}: {}", input.name(), dataset.format()));
+  console.say(fmt::format("{}: {}", input.name(), volume.format()));
   say(console, "grid",
       fmt::format("{}, {}{}", f.grid, counted(f.points, "point"),
                   f.cells > 0 ? fmt::format(", {}", counted(f.cells, "cell")) : ""));
@@ -104,15 +103,15 @@ void run_volume_info(const VolumeInput& input, Console& console) {
                   length(f.most_spacing), length(f.median_spacing), f.aspect));
   if (f.parts > 1) say(console, "parts", fmt::format("{} that are not connected", grouped(f.parts)));
   for (const Note& note : info.notes) say(console, "mended", note.text);
-  if (!dataset.times().empty())
+  if (!volume.times().empty())
     say(console, "times",
-        fmt::format("{}, from {:.6g} to {:.6g}", counted(dataset.times().size(), "step"), dataset.times().front(),
-                    dataset.times().back()));
+        fmt::format("{}, from {:.6g} to {:.6g}", counted(volume.times().size(), "step"), volume.times().front(),
+                    volume.times().back()));
   Json arrays = Json::array();
-  for (const DatasetArray& a : dataset.arrays()) describe_array(a, console, arrays);
+  for (const DatasetArray& a : volume.arrays()) describe_array(a, console, arrays);
 
   Json json = input.json();
-  json["format"] = dataset.format();
+  json["format"] = volume.format();
   json["grid"] = f.grid;
   json["blocks"] = f.blocks;
   json["levels"] = f.levels;
@@ -133,9 +132,10 @@ void run_volume_info(const VolumeInput& input, Console& console) {
   json["not_finite"] = f.not_finite;
   json["layer"] = f.layer;
   json["arrays"] = std::move(arrays);
-  if (dataset.fitted()) describe_fitted(*dataset.fitted(), console, json);
-  json["times"] = dataset.times();
-  json["notes"] = dataset.notes();
+  if (info.fitted) describe_fitted(*info.fitted, console, json);
+  json["times"] = volume.times();
+  json["notes"] = Json::array();
+  for (const Note& note : volume.notes()) json["notes"].push_back(note.text);
   console.say_json(json);
   console.print_timings();
 }

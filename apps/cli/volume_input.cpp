@@ -44,10 +44,10 @@ std::string method_line(const VolumeModel& volume) {
                      r.why.empty() ? "" : ", since it is " + r.why);
 }
 
-Json json_of_volume(const VolumeInput& input, VolumeModel& volume, Progress& progress) {
+Json json_of_volume(const VolumeInput& input, const VolumeModel& volume, Progress& progress) {
   const ReconstructionReport& r = volume.report();
   Json json = input.json();
-  json["format"] = volume.dataset().format();
+  json["format"] = volume.format();
   json["array"] = volume.choice().array;
   if (r.options.method) json["method"] = *r.options.method;
   if (!r.why.empty()) json["why"] = r.why;
@@ -58,11 +58,17 @@ Json json_of_volume(const VolumeInput& input, VolumeModel& volume, Progress& pro
   return json;
 }
 
-bool names_volume(std::vector<std::string>& files) {
+bool says_volume(std::vector<std::string>& files) {
   const bool said = files.size() > 1 && files[0] == "data";
   if (said) files.erase(files.begin());
-  return said || std::all_of(files.begin(), files.end(), is_volume_name);
+  return said;
 }
+
+bool are_volumes(const std::vector<std::string>& files) {
+  return std::all_of(files.begin(), files.end(), holds_volume);
+}
+
+bool names_volume(std::vector<std::string>& files) { return says_volume(files) || are_volumes(files); }
 
 NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console) {
   VolumeInput input;

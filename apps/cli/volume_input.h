@@ -8,7 +8,7 @@
 #include "console.h"
 #include "json.h"
 #include "sansmesh/io/read_volume.h"
-#include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::cli {
 
@@ -36,10 +36,14 @@ void add_raw_options(CommandLine& command, VolumeReadOptions& options);
 /// A line: by which method, and why if nobody chose it.
 std::string method_line(const VolumeModel& volume);
 /// "array", "method", "samples", "grid", …
-Json json_of_volume(const VolumeInput& input, VolumeModel& volume, Progress& progress);
+Json json_of_volume(const VolumeInput& input, const VolumeModel& volume, Progress& progress);
 
-/// Whether files that were given to a command of points are a volume: the word `data` before them says so (and is taken
-/// away), or that they can be nothing else.
+/// Whether the word `data` before files that were given to a command of points says that they are a volume; it is taken
+/// away.
+bool says_volume(std::vector<std::string>& files);
+/// Whether they can be nothing else.
+bool are_volumes(const std::vector<std::string>& files);
+/// One or the other.
 bool names_volume(std::vector<std::string>& files);
 
 /// A surface in a volume that is named FILE[ARRAY=VALUE].

@@ -1,5 +1,5 @@
 // sansmesh volume isosurface: where a quantity has a value, as a mesh, or as meshes at many moments.
-#include "sansmesh/jobs/isosurface.h"
+#include "sansmesh/isosurfaces.h"
 
 #include <fmt/core.h>
 
@@ -14,7 +14,6 @@
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/isosurface_moments.h"
 #include "schema_options.h"
 #include "simulate_frames.h"
 #include "volume_input.h"

@@ -1,5 +1,5 @@
 // sansmesh volume probe: values and gradients of a volume at points.
-#include "sansmesh/jobs/probe_volume.h"
+#include "sansmesh/volumes.h"
 
 #include <fmt/core.h>
 

@@ -11,9 +11,9 @@
 #include "picture_contents.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/volume_model.h"
 #include "sansmesh/volume_look.h"
 #include "sansmesh/volume_pictures.h"
+#include "sansmesh/volumes.h"
 #include "schema_options.h"
 #include "volume_colors.h"
 #include "volume_input.h"
@@ -108,7 +108,7 @@ Command add_volume_render(CommandLine& volume) {
   c.add_option("--save-transfer", a.save_transfer, "Also writes what was used, to be changed and given to --transfer")
       .type_name("FILE");
   a.contents.add_options(c);
-  add_schema(c, a.options, {.without = {"preset", "opacity", "iso", "bar", "label", "unit", "title"}});
+  add_schema(c, a.options, {.without = {"preset", "opacity_factor", "iso", "bar", "label", "unit", "title"}});
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});
   c.add_option_function(
        "--axes", [&o = a.options.look](const std::string& unit) { o.axes = true, o.unit = unit; },
@@ -124,7 +124,7 @@ Command add_volume_render(CommandLine& volume) {
   c.footer(std::string(kReadableVolumes) +
            "\n\nExamples:\n"
            "  sansmesh volume render head.mhd -o head.png --preset ct-bone\n"
-           "  sansmesh volume render bluntfinxyz.bin --array Density -o fin.png --iso 2.5 --cut 'y>4' --axes\n"
+           "  sansmesh volume render bluntfinxyz.bin --array Density -o fin.png --iso 2.5 --clip 'y>4' --axes\n"
            "  sansmesh volume render fire.vtu --array t --opacity-by mfrac -o fire.png --frames 36");
   return {&c, [shared](Console& console) { run_volume_render(*shared, console); }};
 }

@@ -1,5 +1,5 @@
 // sansmesh volume resample: a volume on a uniform grid.
-#include "sansmesh/jobs/resample.h"
+#include "sansmesh/volumes.h"
 
 #include <fmt/core.h>
 

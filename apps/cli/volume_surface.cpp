@@ -1,5 +1,6 @@
 // sansmesh volume surface: isosurfaces and surfaces of high gradient straight from the samples of a volume.
-#include "sansmesh/jobs/surface_in_volume.h"
+#include "sansmesh/isosurfaces.h"
+#include "sansmesh/volumes.h"
 
 #include <fmt/core.h>
 
@@ -14,7 +15,6 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/jobs/volume_model.h"
 #include "sansmesh/volume_pictures.h"
 #include "schema_options.h"
 #include "volume_input.h"
@@ -39,15 +39,15 @@ struct VolumeSurfaceArguments {
 };
 
 void VolumeSurfaceArguments::check() const {
-  require(!output.empty() || !points.empty(), "--output or --points is needed");
+  require(!output.empty() || !points.empty(), "--output or --points-output is needed");
   require(frames == 0 || frames >= 2, "--frames must be at least 2");
   require(to_picture() || (options_set(look).empty() && frames == 0),
           "--color-by, --sharp and --frames need a picture");
   require(to_picture() || !picture.any(), "options of the picture need one: -o FILE.png");
   require(!look.color_by.empty() || (unit.empty() && !no_bar), "--unit and --no-bar are of the bar of --color-by");
-  require(!distance || !points.empty(), "--distance needs --points");
-  require(!distance || *distance > 0, "--distance must be positive");
-  require(output != points, "--output and --points are the same file");
+  require(!distance || !points.empty(), "--point-spacing needs --points-output");
+  require(!distance || *distance > 0, "--point-spacing must be positive");
+  require(output != points, "--output and --points-output are the same file");
   if (!output.empty()) check_writable(output, to_picture() ? "image" : "mesh");
   if (!points.empty()) check_writable(points, "points");
   options.validate();
@@ -64,7 +64,7 @@ std::optional<ColorBar> bar_of(const VolumeSurfaceArguments& a, const std::optio
   return ColorBar{shown->colors, with_unit(a.look.color_by, a.unit), shown->ends};
 }
 
-void draw_surface(const VolumeSurfaceArguments& a, std::shared_ptr<const SurfaceInVolume> surface, VolumeModel& volume,
+void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
                   Console& console, Json& json) {
   SurfaceRenderOptions look;
   look.picture = a.picture.chosen();
@@ -72,7 +72,7 @@ void draw_surface(const VolumeSurfaceArguments& a, std::shared_ptr<const Surface
   look.plain = a.quick, look.picture.view.steady = a.frames > 0;
   look.validate();
   std::vector<Note> notes;
-  const SurfaceInVolumePictures pictures(std::move(surface), volume, a.look, console.progress(), notes);
+  const SurfaceInVolumePictures pictures(surface, volume, a.look, console.progress(), notes);
   console.note(volume.name(), notes);
   if (const auto& shown = pictures.colors(); shown && !shown->curvature) {
     const auto [lower, upper] = shown->colors.range();
@@ -99,7 +99,7 @@ void draw_surface(const VolumeSurfaceArguments& a, std::shared_ptr<const Surface
 
 void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
                    Console& console, Json& json) {
-  const MeshInVolume made = mesh_of_surface(volume, surface, a.meshing, console.progress());
+  const MeshInVolume made = mesh_of_surface(surface, a.meshing, console.progress());
   const TriangleMesh& mesh = made.mesh;
   const MeshInVolumeReport& r = made.report;
   const auto components = static_cast<std::size_t>(r.mesh.components);
@@ -120,17 +120,17 @@ void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfa
                     {"closed", r.volume.has_value()}};
 }
 
-void say_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& s, VolumeModel& volume, Console& console,
+void say_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& s, const VolumeModel& volume, Console& console,
                  Json& json) {
-  const VolumeSurfaceReport& r = s.surface.report();
-  const SampledVolume& samples = s.surface.volume();
-  const bool steep = s.surface.options().kind == VolumeSurfaceOptions::Kind::high_gradient;
+  const VolumeSurfaceReport& r = s.report;
+  const auto samples = volume.samples(console.progress());
+  const bool steep = a.options.surface.kind == VolumeSurfaceOptions::Kind::high_gradient;
   console.say(
       fmt::format("{}: {}, {} of {} ({})", volume.name(),
                   steep ? fmt::format("steepest {}, from {:.4g} per length", volume.array_name(), r.least_gradient)
                         : fmt::format("{} = {:.6g}{}", volume.array_name(), s.value,
                                       a.options.value ? "" : " (the middle of its range)"),
-                  counted(r.samples, "sample"), grouped(samples.size()), samples.facts.grid));
+                  counted(r.samples, "sample"), grouped(samples->size()), samples->facts.grid));
   console.say(fmt::format(
       "spacing {}, weights {:.2f} spacings wide{}", length(r.spacing), r.smoothing,
       r.noise_distance > 0 ? fmt::format(", noise moves the surface by {}", length(r.noise_distance)) : std::string()));
@@ -156,10 +156,9 @@ void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
   Json json = {{"input", json_of_volume(a.input, volume, progress)}};
   say_surface(a, surface, volume, console, json);
   std::optional<PointSet> points;
-  if (!a.points.empty())
-    points = volume.naming([&] { return sample_volume_surface(surface.surface, a.distance, progress); });
+  if (!a.points.empty()) points = points_of_surface(surface, a.distance, progress);
   if (a.to_picture())
-    draw_surface(a, made, volume, console, json);
+    draw_surface(a, surface, volume, console, json);
   else if (!a.output.empty())
     write_surface(a, surface, volume, console, json);
   if (points) {
@@ -180,9 +179,12 @@ Command add_volume_surface(CommandLine& volume) {
   VolumeSurfaceArguments& a = *shared;
   add_volume_input(c, a.input);
   c.add_option("-o,--output", a.output, "Picture (.png) or mesh (.ply, .obj, .stl, …) to write").type_name("FILE");
-  c.add_option("--points", a.points, "Also or only: points spread evenly over the surface, with normals")
-      .type_name("FILE");
-  c.add_option("--distance", a.distance, "Between these points [the spacing of the samples]").type_name("LENGTH");
+  c.add_option("--points-output", a.points, "Also or only: points spread evenly over the surface, with normals")
+      .type_name("FILE")
+      .once_called("--points");
+  c.add_option("--point-spacing", a.distance, "Distance of these points [the spacing of the samples]")
+      .type_name("LENGTH")
+      .once_called("--distance");
   add_schema(c, a.options, {.only = {"value", "high_gradient"}});
   add_schema(c, a.options.surface, {.group = "Weights", .without = {"high_gradient"}});
   add_schema(c, a.look, {.group = "Picture"});

@@ -36,27 +36,34 @@ struct CloudTraits {
   bool faces = false;          ///< the input has faces
   std::size_t open_edges = 0;  ///< of the faces, sewn at equal places: edges of one triangle; 0 where most are
   std::size_t open_loops = 0;  ///< connected sets of these: borders and holes
-  OrientationCheck normals = OrientationCheck::missing;
-  OrientationReport orientation;  ///< the same in numbers
+  OrientationCheck normals = OrientationCheck::missing;  ///< whether there are normals, and how they point
+  OrientationReport orientation;                         ///< the same in numbers
 
+  /// Noise over spacing; 0 without a spacing.
   double noise_ratio() const { return spacing > 0 ? noise / spacing : 0; }
 };
 
 /// Measures the samples: O(n), most of it for the outliers, about 2 µs of CPU per sample, and the openness, up to a
-/// second. Throws DataError where the points cannot be reconstructed at all.
+/// second. What there is to say of the samples replaces what is in `warnings`, if that is not null. Throws DataError
+/// where the points cannot be reconstructed at all.
 SANSMESH_API CloudTraits measure_traits(PointSet points, Progress& progress,
                                         std::vector<std::string>* warnings = nullptr);
 
+/// One method for one aim.
 struct Recommendation {
-  enum class Aim { mesh, picture, curvature, points, solid, deformation } aim;
-  std::string surface;           ///< by name
+  /// What is to be made: a mesh, a picture without one, curvatures, denoised or new points, a solid (editing, CSG), or
+  /// a deformation.
+  enum class Aim { mesh, picture, curvature, points, solid, deformation };
+  Aim aim = Aim::mesh;           ///< what this is a recommendation for
+  std::string surface;           ///< the method, by name (SurfaceOptions::method)
   bool sharp = false;            ///< SurfaceOptions::sharp
   bool remove_outliers = false;  ///< CloudUse::remove_outliers
   std::string why;               ///< one sentence, which names options as errors do (sansmesh/error.h)
 };
 
+/// Traits, and what follows from them.
 struct Advice {
-  CloudTraits traits;
+  CloudTraits traits;  ///< that it is made from
   /// What was seen, one line each, in the order of importance.
   std::vector<std::string> findings;
   /// What to do, the first choice first; one entry at least for a mesh, a picture, curvatures, solids (editing, CSG)
@@ -65,13 +72,13 @@ struct Advice {
   std::vector<Note> notes;  ///< "preparation": what there is to say of the samples
 };
 
-/// What METHODS §8 and docs/methods/which-method.md say of such traits.
+/// Advice from traits: what METHODS §8 and docs/methods/which-method.md say of such traits.
 SANSMESH_API Advice advise(const CloudTraits& traits);
 
-/// Both.
+/// Measures the traits, then advises. Throws as measure_traits.
 SANSMESH_API Advice advise(const PointSet& points, Progress& progress);
 
-/// mesh, picture, …
+/// "mesh", "picture", "curvature", "points", "solid", "deform".
 SANSMESH_API const char* aim_word(Recommendation::Aim aim);
 
 }  // namespace sansmesh::inline v1

@@ -11,32 +11,37 @@ struct TriangleMesh;
 
 /// p → A p + shift, A by its columns.
 struct SANSMESH_API AffineMap {
-  Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  ///< where the axes go
+  Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  ///< column of A: where the unit vector of that axis goes
   Vec3 shift;                               ///< where 0 goes (length)
 
-  /// Of a direction, or a difference of positions.
+  /// A v: of a direction, or a difference of positions.
   Vec3 turn(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
+  /// Of a position: A p + shift.
   Vec3 operator()(const Vec3& p) const { return turn(p) + shift; }
-  /// Negative where left becomes right.
+  /// det A, the factor of volumes. Negative where left becomes right.
   double determinant() const { return dot(x, cross(y, z)); }
-  /// Whether nothing but the shift moves anything.
+  /// Whether A is the identity, exactly.
   bool only_shifts() const { return x == Vec3{1, 0, 0} && y == Vec3{0, 1, 0} && z == Vec3{0, 0, 1}; }
-  /// First `first`, then this.
+  /// The map p → this(first(p)).
   AffineMap after(const AffineMap& first) const;
-  /// Throws ArgumentError where the map flattens space: |determinant| is not above 1e-12 of the product of the lengths
-  /// of x, y and z.
+  /// The map that undoes this one. Throws ArgumentError where the map flattens space: |determinant| is not above 1e-12
+  /// of the product of the lengths of x, y and z.
   AffineMap inverse() const;
   /// The same map with `center` in the place of 0.
   AffineMap about(const Vec3& center) const;
 
-  /// By an angle (degrees, counter-clockwise as the axis points at one's eye). Multiples of 90° about the coordinates'
-  /// axes are exact. Throws ArgumentError for an axis without a direction, and for what is not finite.
+  /// Rotation about an axis through 0, of any length, by an angle (degrees, counter-clockwise as the axis points at
+  /// one's eye). Multiples of 90° about the coordinates' axes are exact. Throws ArgumentError for an axis without a
+  /// direction, and for what is not finite.
   static AffineMap rotation(const Vec3& axis, double degrees);
+  /// Scales each coordinate by its factor, about 0; negative factors mirror.
   static AffineMap scaling(const Vec3& factors) {
     return {{factors.x, 0, 0}, {0, factors.y, 0}, {0, 0, factors.z}, {}};
   }
+  /// p → p + shift.
   static AffineMap translation(const Vec3& shift) { return {.shift = shift}; }
 
+  /// Whether all twelve numbers are equal.
   friend bool operator==(const AffineMap&, const AffineMap&) = default;
 };
 
@@ -46,6 +51,7 @@ struct SANSMESH_API AffineMap {
 /// else changes, and no digit is lost. Attributes stay as they are. Throws ArgumentError, before anything is changed,
 /// as `inverse`, and for maps that are not finite, throw positions beyond 1e18 or shrink everything below 1e-18.
 SANSMESH_API void transform(PointSet& points, const AffineMap& map);
+/// The same of a mesh.
 SANSMESH_API void transform(TriangleMesh& mesh, const AffineMap& map);
 
 }  // namespace sansmesh::inline v1

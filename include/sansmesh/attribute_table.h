@@ -16,6 +16,7 @@
 
 namespace sansmesh::inline v1 {
 
+/// Type of the numbers of an array: signed and unsigned integers, and reals, of so many bits.
 enum class NumberType : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
 
 /// Bytes of one number.
@@ -24,13 +25,15 @@ inline constexpr std::size_t size_of(NumberType t) {
   return sizes[static_cast<std::size_t>(t)];
 }
 
+/// Whether it is float or double.
 inline constexpr bool is_real(NumberType t) { return t == NumberType::f32 || t == NumberType::f64; }
 
+/// Whether it has negative numbers: signed integers, float and double.
 inline constexpr bool is_signed(NumberType t) {
   return t != NumberType::u8 && t != NumberType::u16 && t != NumberType::u32 && t != NumberType::u64;
 }
 
-/// That of a type of the language.
+/// The NumberType of an arithmetic type of at most 8 bytes.
 template <class T>
 constexpr NumberType number_type_of() {
   static_assert(std::is_arithmetic_v<T> && sizeof(T) <= 8);
@@ -38,14 +41,14 @@ constexpr NumberType number_type_of() {
   return static_cast<NumberType>(2 * std::countr_zero(sizeof(T)) + (std::is_unsigned_v<T> ? 1 : 0));
 }
 
-/// "int8", "uint8", …, "float", "double".
+/// Name of a type: "int8", "uint8", …, "float", "double".
 inline constexpr std::string_view name_of(NumberType t) {
   constexpr std::string_view names[] = {"int8",   "uint8", "int16",  "uint16", "int32",
                                         "uint32", "int64", "uint64", "float",  "double"};
   return names[static_cast<std::size_t>(t)];
 }
 
-/// The alternatives stand in the order of NumberType.
+/// Numbers of an array of any type. The alternatives stand in the order of NumberType.
 using AttributeValues =
     std::variant<std::vector<std::int8_t>, std::vector<std::uint8_t>, std::vector<std::int16_t>,
                  std::vector<std::uint16_t>, std::vector<std::int32_t>, std::vector<std::uint32_t>,
@@ -57,13 +60,16 @@ SANSMESH_API AttributeValues empty_values(NumberType type);
 /// One array: `components` numbers a row, row after row.
 struct Attribute {
   std::string name;  ///< not empty; writers turn what their format cannot hold in a name into '_'
-  AttributeValues values = std::vector<float>{};
-  std::size_t components = 1;  ///< at least 1
+  AttributeValues values = std::vector<float>{};  ///< rows() times `components` numbers
+  std::size_t components = 1;                     ///< numbers a row, at least 1
 
+  /// Type of the numbers.
   NumberType type() const { return static_cast<NumberType>(values.index()); }
+  /// How many numbers there are in all.
   std::size_t size() const {
     return std::visit([](const auto& v) { return v.size(); }, values);
   }
+  /// Number of rows.
   std::size_t rows() const { return size() / components; }
   /// Number `i` (component i % components of row i / components); integers beyond 2^53 are rounded.
   double number(std::size_t i) const {
@@ -75,6 +81,7 @@ struct Attribute {
     return std::get_if<std::vector<T>>(&values);
   }
 
+  /// Whether name, type, components and numbers are equal; NaN equals nothing.
   friend bool operator==(const Attribute&, const Attribute&) = default;
 };
 
@@ -86,13 +93,17 @@ struct Attribute {
 /// their type.
 class SANSMESH_API AttributeTable {
  public:
+  /// Whether there are no arrays.
   bool empty() const { return arrays_.empty(); }
   std::size_t size() const { return arrays_.size(); }  ///< number of arrays
+  /// Array `k`, below size(); in the order in which they were first set.
   const Attribute& operator[](std::size_t k) const { return arrays_[k]; }
+  /// The first array.
   std::vector<Attribute>::const_iterator begin() const { return arrays_.begin(); }
+  /// Behind the last array.
   std::vector<Attribute>::const_iterator end() const { return arrays_.end(); }
 
-  /// The array of that name, or null.
+  /// The array of that name, or null. Valid until the table changes.
   const Attribute* find(std::string_view name) const;
   /// Its numbers, or null where there is none of that name or it is of another type.
   template <class T>
@@ -104,12 +115,14 @@ class SANSMESH_API AttributeTable {
   /// Appends an array, or puts it in the place of the one of that name. Throws ArgumentError where the name is empty,
   /// there are no components, or the numbers are not whole rows or not as many rows as the other arrays have.
   void set(Attribute attribute);
+  /// The same from its parts.
   template <class T>
   void set(std::string name, std::vector<T> values, std::size_t components = 1) {
     set(Attribute{std::move(name), std::move(values), components});
   }
   /// Removes the array of that name; returns whether there was one.
   bool erase(std::string_view name);
+  /// Removes all arrays.
   void clear() { arrays_.clear(); }
 
   /// Throws ArgumentError unless every array has `rows` rows; `of` names these: "points".
@@ -135,6 +148,7 @@ class SANSMESH_API AttributeTable {
   /// counts only where there is nothing else.
   AttributeTable means(std::span<const std::uint32_t> group, std::span<const double> weight, std::size_t groups) const;
 
+  /// Whether all arrays are equal, in the same order.
   friend bool operator==(const AttributeTable&, const AttributeTable&) = default;
 
  private:

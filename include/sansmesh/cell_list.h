@@ -16,32 +16,38 @@ namespace sansmesh::inline v1 {
 /// corner k + 4 opposite of corner k.
 enum class CellShape : std::uint8_t { tetrahedron, pyramid, wedge, hexahedron };
 
+/// Number of corners: 4, 5, 6 or 8.
 inline constexpr std::size_t corner_count(CellShape shape) {
   constexpr std::size_t counts[] = {4, 5, 6, 8};
   return counts[static_cast<std::size_t>(shape)];
 }
 
-/// Edges of a cell as pairs of its corners.
+/// Edges of a cell as pairs of its corners (numbers from 0 within the cell).
 SANSMESH_API std::span<const std::array<std::uint8_t, 2>> cell_edges(CellShape shape);
 
 /// A face of a cell: `count` (3 or 4) of its corners in a ring, counter-clockwise seen from outside.
 struct CellFace {
-  std::uint8_t count;
-  std::array<std::uint8_t, 4> corner;
+  std::uint8_t count = 0;                ///< number of corners, 3 or 4
+  std::array<std::uint8_t, 4> corner{};  ///< numbers within the cell; the first `count` mean something
 };
+/// Faces of a cell.
 SANSMESH_API std::span<const CellFace> cell_faces(CellShape shape);
 
 /// Cells, one after the other. Degenerate ones (corners that coincide or repeat, no volume, inside out) may be there.
 struct CellList {
-  std::vector<CellShape> shapes;
+  std::vector<CellShape> shapes;        ///< of each cell
   std::vector<std::uint32_t> corners;   ///< numbers of points, cell after cell
   std::vector<std::uint64_t> first{0};  ///< where in `corners` a cell begins; one more entry than cells
 
+  /// Number of cells.
   std::size_t size() const { return shapes.size(); }
+  /// Whether there are no cells.
   bool empty() const { return shapes.empty(); }
+  /// Corners of a cell, in the order of CellShape. Valid until the list changes.
   std::span<const std::uint32_t> operator[](std::size_t cell) const {
     return std::span(corners).subspan(first[cell], first[cell + 1] - first[cell]);
   }
+  /// Appends a cell; `points` are its corner_count(shape) corners, which is not checked.
   void add(CellShape shape, std::span<const std::uint32_t> points) {
     shapes.push_back(shape);
     corners.insert(corners.end(), points.begin(), points.end());
@@ -51,10 +57,12 @@ struct CellList {
 
 /// Lists of numbers, one for each row, in one array.
 struct Adjacency {
-  std::vector<std::uint32_t> entries;
-  std::vector<std::uint64_t> first{0};  ///< one more entry than rows
+  std::vector<std::uint32_t> entries;   ///< of all rows, row after row
+  std::vector<std::uint64_t> first{0};  ///< where in `entries` a row begins; one more entry than rows
 
+  /// Number of rows.
   std::size_t size() const { return first.size() - 1; }
+  /// Entries of a row. Valid until the lists change.
   std::span<const std::uint32_t> operator[](std::size_t row) const {
     return std::span(entries).subspan(first[row], first[row + 1] - first[row]);
   }

@@ -20,128 +20,133 @@
 
 namespace sansmesh::inline v1 {
 
-/// By a map or its inverse: "transform", "inverse_transform".
+/// Moves everything by a map or its inverse: "transform", "inverse_transform".
 struct SANSMESH_API TransformStep {
-  AffineMap map = {};
-  bool inverse = false;
+  AffineMap map = {};                   ///< of positions; normals, scanners and directions follow
+  bool inverse = false;                 ///< by its inverse; ArgumentError where there is none
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// Loses no digit, however far: "translate".
+/// Moves everything without turning it; loses no digit, however far: "translate".
 struct SANSMESH_API TranslateStep {
-  Vec3 by = {};
+  Vec3 by = {};                         ///< length
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// The middle of the box around everything goes to 0: "center".
+/// Moves the middle of the box around everything to 0: "center".
 struct SANSMESH_API CenterStep {
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// About an axis, counter-clockwise: "rotate".
+/// Turns everything about an axis, counter-clockwise as the axis points at one's eye: "rotate".
 struct SANSMESH_API RotateStep {
-  Vec3 axis = {0, 0, 1};
-  double degrees = 0;
-  std::optional<Vec3> about = {};  ///< what stays where it is; default: 0
-  bool about_center = false;       ///< the middle of the box as it then is
+  Vec3 axis = {0, 0, 1};                ///< of any length but 0
+  double degrees = 0;                   ///< the angle
+  std::optional<Vec3> about = {};       ///< what stays where it is; default: 0
+  bool about_center = false;            ///< instead: the middle of the box as it then is
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// By a factor for each axis, none of them 0; negative ones mirror, and turn faces over: "scale".
+/// Scales by a factor for each axis, none of them 0; negative ones mirror, and turn faces over: "scale".
 struct SANSMESH_API ScaleStep {
-  Vec3 factors = {1, 1, 1};
-  std::optional<Vec3> about = {};  ///< as in RotateStep
-  bool about_center = false;
+  Vec3 factors = {1, 1, 1};             ///< of x, y and z
+  std::optional<Vec3> about = {};       ///< as in RotateStep
+  bool about_center = false;            ///< as in RotateStep
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// "y,x,z" swaps two (a mirror image), "x,-z,y" turns y up into z up: "axes".
+/// Exchanges the axes: "y,x,z" swaps two (a mirror image), "x,-z,y" turns y up into z up: "new_axes".
 struct SANSMESH_API AxesStep {
-  std::string axes = "x,y,z";
+  std::string axes = "x,y,z";           ///< as axes_map reads it
   static const OptionSchema& schema();  ///< a row a field
 };
 
+/// The axis that is to point up.
 enum class StepUp : std::uint8_t { y, z };
 
-/// To z: what pointed up along y points up along z; to y: the other way: "up".
+/// Turns what is up to another axis. To z: what pointed up along y points up along z; to y: the other way: "up".
 struct SANSMESH_API UpStep {
-  StepUp to = StepUp::z;
+  StepUp to = StepUp::z;                ///< which is up afterwards
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// Units of lengths, of before and after: um, mm, cm, m, km, in, ft, us-ft: "to_unit".
+/// Converts from one unit of length to another; both are one of um, mm, cm, m, km, in, ft and us-ft:
+/// "to_unit".
 struct SANSMESH_API UnitStep {
-  std::string from = "m", to = "m";
+  std::string from = "m";               ///< unit of the data as it comes
+  std::string to = "m";                 ///< unit of the data afterwards
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// What lies in the box, or outside of it; meshes are cut along it: "crop", "crop_out".
+/// Keeps what lies in the box, or outside of it; meshes are cut along it: "box", "outside_box".
 struct SANSMESH_API CropStep {
-  Box3 box = {};
-  bool inside = true;
+  Box3 box = {};                        ///< in the coordinates of the data as they then are; must not be empty
+  bool inside = true;                   ///< keep what lies in it; otherwise what lies outside
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// Fewer points: no two closer than this, and none missing that would be farther from all (length, > 0): "spacing".
+/// Fewer points: no two closer than a distance, and none missing that would be farther from all: "point_spacing".
 struct SANSMESH_API SpacingStep {
-  double distance = 0;
+  double distance = 0;                  ///< length, > 0
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// Fewer points: so many, drawn by chance, always the same ones: "count".
+/// Fewer points: so many, drawn by chance, always the same ones: "point_count".
 struct SANSMESH_API CountStep {
-  std::size_t count = 0;
+  std::size_t count = 0;                ///< how many stay, 1..2·10⁹
   static const OptionSchema& schema();  ///< a row a field
 };
 
 /// Fewer points: the first of every so many: "every".
 struct SANSMESH_API EveryStep {
-  std::size_t every = 0;
+  std::size_t every = 0;                ///< one of so many stays, 1..2·10⁹
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// Of normals, colors and attributes only these, or all but these: "keep", "drop".
+/// Keeps, of normals, colors and attributes, only these, or all but these: "keep", "drop".
 struct SANSMESH_API ChooseStep {
-  std::vector<std::string> names = {};
-  bool keep = true;
+  std::vector<std::string> names = {};  ///< "normals", "colors", names of attributes
+  bool keep = true;                     ///< only these; otherwise all but these
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// Vertices (or points) no farther from each other than this become one (length; 0: at the same place): "weld".
+/// Makes vertices (or points) no farther from each other than a distance one: "weld".
 struct SANSMESH_API WeldStep {
-  double distance = 0;
+  double distance = 0;                  ///< length, >= 0; 0: only those at the same place
   static const OptionSchema& schema();  ///< a row a field
 };
 
-/// Faces turned over, normals turned round: "flip", "flip_faces", "flip_normals".
+/// Turns faces over, and normals round: "flip", "flip_faces", "flip_normals".
 struct SANSMESH_API FlipStep {
-  bool faces = true, normals = true;
+  bool faces = true;                    ///< turn these over
+  bool normals = true;                  ///< turn these round
   static const OptionSchema& schema();  ///< a row a field
 };
 
+/// One step of a conversion.
 using ConvertStep = std::variant<TransformStep, TranslateStep, CenterStep, RotateStep, ScaleStep, AxesStep, UpStep,
                                  UnitStep, CropStep, SpacingStep, CountStep, EveryStep, ChooseStep, WeldStep, FlipStep>;
 
-/// "crop_out".
+/// Name of a step, as it stands behind the kind above: "outside_box".
 SANSMESH_API std::string_view step_name(const ConvertStep& step);
 
-/// Throws ArgumentError.
+/// Throws ArgumentError for values that are not allowed.
 SANSMESH_API void validate_step(const ConvertStep& step);
 
 /// "x,-z,y": the axes whose coordinates the new x, y and z are. Throws ArgumentError.
 SANSMESH_API AffineMap axes_map(std::string_view axes);
 
-/// Of um, mm, cm, m, km, in, ft and us-ft. Throws ArgumentError that names them.
+/// Length of a unit in metres: of um, mm, cm, m, km, in, ft and us-ft. Throws ArgumentError that names them.
 SANSMESH_API double meters_of_unit(std::string_view unit);
 
-/// The vertices of a mesh, with all that belongs to them.
+/// The vertices of a mesh as a cloud, with all that belongs to them.
 SANSMESH_API PointSet vertices_of(TriangleMesh mesh);
 
 /// A cloud, or a mesh.
 struct SANSMESH_API CloudOrMesh {
-  bool is_mesh = false;
-  PointSet points;    ///< unless it is a mesh
-  TriangleMesh mesh;  ///< if it is one
+  bool is_mesh = false;  ///< which of the two it is
+  PointSet points;       ///< unless it is a mesh
+  TriangleMesh mesh;     ///< if it is one
   /// Attributes of three reals that were not turned with everything else: nobody knows whether they are directions.
   std::vector<std::string> unturned;
   /// Edges of three triangles or more that welding has made.
@@ -151,19 +156,23 @@ struct SANSMESH_API CloudOrMesh {
   /// if there are several.
   explicit CloudOrMesh(PointSet read);
 
+  /// Number of points or vertices.
   std::size_t size() const { return is_mesh ? mesh.vertices.size() : points.size(); }
   /// "1,234 points", or "1,234 vertices, 2,345 triangles".
   std::string size_words() const;
+  /// Of the positions: world position = origin + position.
   const Vec3& origin() const { return is_mesh ? mesh.origin : points.origin; }
-  /// In the coordinates of the file.
+  /// Box around the points or vertices, in the coordinates of the file.
   Box3 bounds() const;
+  /// Of the points or vertices.
   const AttributeTable& attributes() const { return is_mesh ? mesh.attributes : points.attributes; }
-  /// Its vertices alone.
+  /// Drops the triangles of a mesh: its vertices become the points.
   void make_points();
 };
 
+/// Steps of a conversion.
 struct SANSMESH_API ConvertOptions {
-  bool points = false;                  ///< of a mesh the vertices alone, from the start
+  bool vertices_only = false;           ///< of a mesh the vertices alone, from the start
   std::vector<ConvertStep> steps = {};  ///< in their order
 
   /// Without the steps, which have schemas of their own.
@@ -174,30 +183,35 @@ struct SANSMESH_API ConvertOptions {
 
 /// What there was after a step.
 struct ConvertedBy {
-  std::string_view step;  ///< its name
-  std::string remark;     ///< what became of the data, in words; may be empty
-  std::size_t size = 0;   ///< points or vertices
-  std::optional<std::size_t> triangles;
+  std::string_view step;                 ///< its name
+  std::string remark;                    ///< what became of the data, in words; may be empty
+  std::size_t size = 0;                  ///< points or vertices
+  std::optional<std::size_t> triangles;  ///< of a mesh
 };
 
+/// Numbers of a run of convert().
 struct ConvertReport {
-  std::string size_words;               ///< of what came: "1,234 points"
-  std::size_t size = 0, triangles = 0;  ///< of what came
-  std::vector<ConvertedBy> steps;
+  std::string size_words;          ///< of what came: "1,234 points"
+  std::size_t size = 0;            ///< points or vertices of what came
+  std::size_t triangles = 0;       ///< of what came; 0 of a cloud
+  std::vector<ConvertedBy> steps;  ///< after each of them
 };
 
+/// Converted cloud or mesh.
 struct ConvertResult {
-  CloudOrMesh data;
-  ConvertReport report;
+  CloudOrMesh data;      ///< after the last step
+  ConvertReport report;  ///< what the steps did
   /// "nonmanifold_weld": edges of three triangles or more were made; "unturned": attributes of three numbers that
   /// nobody knows to be directions.
   std::vector<Note> notes;
 };
 
-/// Throws ArgumentError for bad options, DataError naming the step where one cannot be done or leaves nothing,
+/// Takes what a file held through all steps, in their order. Throws ArgumentError for bad options, DataError naming the
+/// step where one cannot be done or leaves nothing,
 /// Cancelled.
 SANSMESH_API ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& progress);
 
+/// What counts as connected, and which parts are kept.
 struct SANSMESH_API SplitOptions {
   /// Of clouds: points as close as this are connected (length, > 0). Default: 4 spacings.
   std::optional<double> split_distance = {};
@@ -209,17 +223,18 @@ struct SANSMESH_API SplitOptions {
   void validate() const;
 };
 
+/// Connected parts of a cloud or mesh.
 struct SplitResult {
   std::vector<CloudOrMesh> parts;  ///< the largest first
-  std::size_t found = 0;           ///< those that were left out included
-  std::optional<double> distance;  ///< of clouds, as used
+  std::size_t found = 0;           ///< parts, those that were left out included
+  std::optional<double> distance;  ///< of clouds: `split_distance` as used (length)
   /// "small_parts": parts that were left out; "soup": hardly any triangles share a vertex; "loose_points": vertices of
   /// no triangle were left out.
   std::vector<Note> notes;
 };
 
-/// Connected parts. Throws ArgumentError for bad options, DataError where none is large enough or there are too many,
-/// Cancelled.
+/// Takes a cloud or mesh apart into its connected parts. Throws ArgumentError for bad options, DataError where none is
+/// large enough or there are too many, Cancelled.
 SANSMESH_API SplitResult split(const CloudOrMesh& data, const SplitOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -14,6 +14,7 @@
 
 namespace sansmesh::inline v1 {
 
+/// Largest degree of local polynomials.
 constexpr int kMaxDegree = 4;
 
 /// Instead of a degree: for each support the highest that its samples allow, by their number and by what they cover of
@@ -45,15 +46,16 @@ enum class FitMethod {
 /// Options of the fit of a function to samples. All optional lengths are in the unit of the input; where absent they
 /// are derived from the data.
 struct SANSMESH_API FitOptions {
-  FitMethod fit = FitMethod::partition;
-  /// Of FitMethod::paper: accepted rms distance of a support's samples over the diagonal of all [0.002], and the least
-  /// coverage for degrees 2, 3 and 4 [0.4, 0.8, 0.85], each in 0..2.
+  FitMethod fit = FitMethod::partition;  ///< which partition of unity
+  /// Of FitMethod::paper: accepted rms distance of a support's samples over the diagonal of all; default: 0.002.
   std::optional<double> threshold = {};
+  /// Of FitMethod::paper: least coverage for degrees 2, 3 and 4, each in 0..2; default: kThesisCoverage.
   std::optional<PaperCoverage> coverage = {};
-  std::optional<int> depth = {};     ///< deepest level of the tree of fits, kLeastDepth..kMostDepth
+  std::optional<int> depth =
+      {};  ///< deepest level of the tree of fits, 2..14; default: where supports run out of samples
   std::optional<double> error = {};  ///< accepted rms error of a local fit (length); default: a tenth of the noise
-  std::optional<double> support =
-      {};             ///< support radius / circumscribed radius of the block, 1.1..2; default 1.5 to 1.8
+  /// Support radius / circumscribed radius of the block, 1.1..2; default: 1.5 to 1.8.
+  std::optional<double> support = {};
   int degree = 4;     ///< largest degree of the local polynomials, 1..4
   bool sharp = true;  ///< reproduce creases where the data shows them
   /// Whether the surface bounds no solid, and ends where its samples end: true, everywhere, false, nowhere; default:
@@ -63,10 +65,11 @@ struct SANSMESH_API FitOptions {
   static const OptionSchema& schema();  ///< a row a field
   /// Throws ArgumentError naming the option, also where one belongs to the other method.
   void validate() const;
+  /// Whether the fit is FitMethod::paper.
   bool is_paper() const { return fit == FitMethod::paper; }
 };
 
-/// How the blocks came to be.
+/// How the blocks of FitMethod::paper came to be.
 struct PaperReport {
   std::size_t blocks = 0;      ///< of the tree of fits, all levels
   std::size_t fitted = 0;      ///< leaves with a polynomial of their own samples
@@ -81,7 +84,7 @@ struct PaperReport {
 
 /// Gradients of functions that fit their samples are shorter than this, but for one in a thousand: longer ones come
 /// from sheets that are too close to each other, rims, and samples that contradict each other. No bound: that is
-/// ranges().
+/// ScalarField::ranges().
 constexpr double kSoundSlope = 3;
 
 }  // namespace sansmesh::inline v1

@@ -22,15 +22,16 @@ enum class GridKind : std::uint8_t {
   scattered      ///< `points` alone
 };
 
+/// One block: its points, cells and arrays.
 struct GridBlock {
-  std::string name;  ///< of the block in its file, may be empty
-  GridKind kind = GridKind::unstructured;
+  std::string name;                        ///< of the block in its file, may be empty
+  GridKind kind = GridKind::unstructured;  ///< which of the members below are used
 
   /// lattice: coordinates of the points along each axis, strictly increasing, at least one each; point (i, j, k), the
   /// number i + nx (j + ny k), lies at origin + axes[0][i] directions[0] + axes[1][j] directions[1] + …
   std::array<std::vector<double>, 3> axes;
   std::array<Vec3, 3> directions{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  ///< orthonormal, may mirror
-  Vec3 origin;
+  Vec3 origin;  ///< lattice: where the coordinates on the axes are 0
 
   std::array<std::size_t, 3> dims{};         ///< curvilinear: numbers of points, at least 1 each
   std::vector<Vec3> points;                  ///< of all kinds but lattices; may be NaN
@@ -40,7 +41,7 @@ struct GridBlock {
   /// Unstructured blocks: flat cells (triangles and quadrilaterals, the fourth corner kNone for triangles), for files
   /// that have no others.
   std::vector<std::array<std::uint32_t, 4>> flat_cells;
-  static constexpr std::uint32_t kNone = 0xffffffffu;
+  static constexpr std::uint32_t kNone = 0xffffffffu;  ///< no corner
 
   AttributeTable point_arrays;  ///< a row for each point
   AttributeTable cell_arrays;   ///< a row for each cell (for each flat cell where there are no others)
@@ -53,10 +54,10 @@ struct GridBlock {
 
 /// The content of one file, or of files that belong together.
 struct GridData {
-  std::vector<GridBlock> blocks;
+  std::vector<GridBlock> blocks;   ///< in the order of the file
   std::vector<double> times;       ///< of the steps that there are, if any; NaN: its file cannot be read
-  std::optional<double> time;      ///< of this step
-  std::string format;              ///< "VTK XML unstructured grid"
+  std::optional<double> time;      ///< of this step; nothing where the file does not say
+  std::string format;              ///< of the file, in words: "VTK XML unstructured grid"
   std::vector<std::string> notes;  ///< what a user should know: cells of kinds that were cut or left out, …
 };
 

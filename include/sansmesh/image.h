@@ -12,20 +12,30 @@ namespace sansmesh::inline v1 {
 /// Rows from top to bottom, pixels from left to right.
 template <class T>
 struct PixelMap {
-  int width = 0;
-  int height = 0;
-  std::vector<T> pixels;
+  int width = 0;          ///< pixels a row
+  int height = 0;         ///< rows
+  std::vector<T> pixels;  ///< width · height of them, row after row
 
+  /// Without pixels.
   PixelMap() = default;
+  /// w · h pixels of one value; neither may be negative.
   PixelMap(int w, int h, const T& value = {})
       : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), value) {}
-  T& at(int x, int y) { return pixels[static_cast<std::size_t>(y) * width + x]; }
-  const T& at(int x, int y) const { return pixels[static_cast<std::size_t>(y) * width + x]; }
+  /// The pixel in column x, from the left, of row y, from the top, both from 0. Not checked.
+  T& at(int x, int y) { return pixels[index(x, y)]; }
+  /// The same of a constant map.
+  const T& at(int x, int y) const { return pixels[index(x, y)]; }
+
+ private:
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x);
+  }
 };
 
 /// sRGB with straight alpha: 0 is black or nothing, 1 white or opaque. Brighter than white is brighter than 1; files of
 /// bytes hold 0..1.
 using Rgba = std::array<float, 4>;
+/// A picture, as read from and written to files.
 using Image = PixelMap<Rgba>;
 /// Distances along the rays through the middles of the pixels; infinity where nothing is.
 using DepthMap = PixelMap<float>;

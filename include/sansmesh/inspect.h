@@ -26,29 +26,36 @@ namespace sansmesh::inline v1 {
 class Isosurface;
 class SignedDistance;
 
-/// Cheap to copy: what it holds is shared and never changes.
+/// A surface of any kind, with its name: a mesh, points, a function or an isosurface. Cheap to copy: what it holds is
+/// shared and never changes.
 class SANSMESH_API AnySurface {
  public:
+  /// What the surface is given by.
   enum class Kind : std::uint8_t { mesh, points, function, isosurface };
 
   /// `name` stands in messages: its file. A mesh without triangles is points.
   AnySurface(TriangleMesh mesh, std::string name);
+  /// A function's zero set.
   AnySurface(SurfaceFunction function, std::string name);
+  /// A level set of a volume; not null.
   AnySurface(std::shared_ptr<const Isosurface> isosurface, std::string name);
 
+  /// As given.
   const std::string& name() const { return name_; }
+  /// What it is given by.
   Kind kind() const { return kind_; }
   /// "mesh", "points", "function" or "isosurface".
   const char* kind_word() const;
-  /// The function or isosurface in the input's coordinates; null for meshes and points.
+  /// The function or isosurface in the input's coordinates; null for meshes and points. Valid as long as this
+  /// surface or a copy of it.
   const ScalarField* field() const { return field_.get(); }
   /// The mesh or the points; of a function or isosurface its mesh, which is made at every call and whose warnings are
   /// added to `notes` with the code "mesh". Throws DataError that begins with the name.
   std::shared_ptr<const TriangleMesh> mesh(Progress& progress, std::vector<Note>& notes) const;
-  /// Around mesh, points or the samples of a function (its own box if it has none).
+  /// Box around mesh, points or the samples of a function (its own box if it has none).
   Box3 bounds() const;
-  /// Of the function itself; else of the mesh or the points. An isosurface is measured by its mesh: values of a volume
-  /// are no distances, and go on beyond its boundary. Throws DataError that begins with the name.
+  /// Signed distances: of the function itself; else of the mesh or the points. An isosurface is measured by its mesh:
+  /// values of a volume are no distances, and go on beyond its boundary. Throws DataError that begins with the name.
   std::shared_ptr<const SignedDistance> distance(Progress& progress, std::vector<Note>& notes) const;
 
  private:
@@ -60,26 +67,30 @@ class SANSMESH_API AnySurface {
   std::shared_ptr<const ScalarField> field_;  ///< with all that it needs
 };
 
+/// A surface moved onto another.
 struct AlignResult {
   TriangleMesh moved;  ///< with all that belongs to it; points have no triangles
   /// What it was moved onto: the mesh or the points, of functions and isosurfaces the mesh that was made.
   std::shared_ptr<const TriangleMesh> fixed;
-  AffineMap motion;  ///< all of it, `before` included
-  SurfaceAlignment report;
+  AffineMap motion;         ///< all of it, `before` included
+  SurfaceAlignment report;  ///< how well it fits; its motion comes after `before`
   /// "not_unique": other poses fit as well; "free_motions": the surfaces slide on each other; "little_overlap";
   /// "mirrored": the mirror image fits instead; "other_shape": they differ by more than noise; "mesh": what there is to
   /// say of a mesh that was made.
   std::vector<Note> notes;
 };
 
-/// Finds the motion (align_surfaces) and applies it, after `before`. Throws ArgumentError for bad options, DataError
-/// that begins with the name of a surface where it cannot be aligned, or fits nowhere; Cancelled.
+/// Finds the motion that brings `moving` onto `fixed` (docs/methods/alignment.md) and applies it, after `before`.
+/// Throws ArgumentError for bad options, DataError that begins with the name of a surface where it cannot be aligned,
+/// or fits nowhere; Cancelled.
 SANSMESH_API AlignResult align(const AnySurface& moving, const AnySurface& fixed,
                                const SurfaceAlignmentOptions& options, Progress& progress,
                                const AffineMap& before = {});
 
+/// One of the two surfaces of a comparison.
 enum class MapSide : std::uint8_t { part, reference };
 
+/// How two surfaces are compared.
 struct SANSMESH_API CompareOptions {
   DistanceMapOptions map = {};  ///< its `reversed` follows from `on`
   /// On which of them the map lies; the sign of distances stays the part's.
@@ -88,36 +99,40 @@ struct SANSMESH_API CompareOptions {
   std::optional<double> refine = {};
   /// First move the part onto the reference.
   bool align = false;
-  SurfaceAlignmentOptions alignment = {};
+  SurfaceAlignmentOptions alignment = {};  ///< of `align`
 
   static const OptionSchema& schema();  ///< a row a field
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
+/// Numbers of a run of compare().
 struct CompareReport {
-  double diagonal = 0;  ///< of the reference
-  std::optional<SurfaceAlignment> alignment;
-  AffineMap motion;  ///< of the part, if it was aligned
+  double diagonal = 0;                        ///< of the box of the reference (length)
+  std::optional<SurfaceAlignment> alignment;  ///< if the part was aligned
+  AffineMap motion;                           ///< of the part, if it was aligned
 };
 
+/// Map of the distances between two surfaces.
 struct CompareResult {
-  TriangleMesh mesh;  ///< of the part or the reference, with distances and their colours (apply_map)
-  DistanceMap map;    ///< of its vertices
-  CompareReport report;
+  TriangleMesh mesh;     ///< of the part or the reference, with the attribute of distances and their colours
+  DistanceMap map;       ///< of its vertices
+  CompareReport report;  ///< size of the reference, and the alignment
   /// Those of align; "edges_stay_long": refining would take too many triangles; "coarse": only corners of large
   /// triangles are compared; "no_sign": the other side is points without normals.
   std::vector<Note> notes;
 };
 
-/// Statistics and colours of signed distances, positive outside of the reference. Throws ArgumentError for bad options,
-/// and where a function is to be moved; DataError that begins with a name; Cancelled.
+/// Compares a part with a reference: statistics and colours of signed distances, positive outside of the reference.
+/// Throws ArgumentError for bad options, and where a function is to be moved; DataError that begins with a name;
+/// Cancelled.
 SANSMESH_API CompareResult compare(const AnySurface& part, const AnySurface& reference, const CompareOptions& options,
                                    Progress& progress);
 
+/// How a mesh is assessed against a reference.
 struct SANSMESH_API AssessOptions {
-  /// On each mesh, 1..2·10⁹. Default: 300000; 5000 of surfaces that differ in size by more than a hundred, where each
-  /// costs as much as all triangles.
+  /// Samples on each mesh, 1..2·10⁹. Default: 300000; 5000 of surfaces that differ in size by more than a hundred,
+  /// where each costs as much as all triangles.
   std::optional<std::size_t> samples = {};
 
   static const OptionSchema& schema();  ///< a row a field
@@ -125,22 +140,23 @@ struct SANSMESH_API AssessOptions {
   void validate() const;
 };
 
+/// Measures of a mesh by itself, and against a reference.
 struct AssessReport {
-  std::size_t vertices = 0;              ///< or points
-  std::optional<MeshTopology> topology;  ///< of a mesh, sewn where its borders lie on each other
-  std::optional<MeshQuality> quality;    ///< of a mesh
-  // With a reference.
-  std::optional<SurfaceDistance> distance;
-  std::optional<MeshCoverage> coverage;  ///< of a mesh whose reference is a cloud or a meshed scan
+  std::size_t vertices = 0;                 ///< or points
+  std::optional<MeshTopology> topology;     ///< of a mesh, sewn where its borders lie on each other
+  std::optional<MeshQuality> quality;       ///< of a mesh
+  std::optional<SurfaceDistance> distance;  ///< with a reference: how far apart they are
+  std::optional<MeshCoverage> coverage;     ///< with a reference: of a mesh whose reference is a cloud or a meshed scan
 };
 
+/// Assessment of a mesh.
 struct AssessResult {
-  AssessReport report;
+  AssessReport report;  ///< all measures
   /// "other_unit": mesh and reference differ in size as if they were not in the same unit.
   std::vector<Note> notes;
 };
 
-/// Of a mesh, or of points without triangles, by itself. Throws Cancelled.
+/// Measures a mesh, or points without triangles, by itself. Throws Cancelled.
 SANSMESH_API AssessResult assess(const TriangleMesh& mesh, Progress& progress);
 
 /// The same, and how far it is from the reference and back. Throws ArgumentError for bad options, DataError if a side
@@ -148,8 +164,9 @@ SANSMESH_API AssessResult assess(const TriangleMesh& mesh, Progress& progress);
 SANSMESH_API AssessResult assess(const TriangleMesh& mesh, PointSet reference, const AssessOptions& options,
                                  Progress& progress);
 
+/// Measures of a solid.
 struct MeasureResult {
-  SolidMeasures measures;
+  SolidMeasures measures;  ///< of the whole and of its components
   /// "open": no volume; "encloses_nothing": its sides cancel out; "faces_inward": the volume is negative; "cavities";
   /// "inside_out": parts that face inward, but bound no cavity; "nested", "crossing_components", "crosses_itself":
   /// volume that counts more than once; "nonmanifold": edges of more than two triangles; "bad_corners": triangles that
@@ -157,19 +174,21 @@ struct MeasureResult {
   std::vector<Note> notes;
 };
 
-/// Of a function or isosurface its mesh is measured. Throws DataError of points, and if no triangle has an area;
-/// Cancelled.
+/// Area, volume, moments and flaws of a surface; of a function or isosurface its mesh is measured. Throws DataError of
+/// points, and if no triangle has an area; Cancelled.
 SANSMESH_API MeasureResult measure(const AnySurface& surface, Progress& progress);
 
+/// Axis that a series of planes runs across.
 enum class SectionAxis : std::uint8_t { x, y, z };
 
-/// Single planes, a series of them across an axis, or both; without either three planes through the middle of the box.
+/// Planes of cross-sections: single planes, a series of them across an axis, or both; without either three planes
+/// through the middle of the box.
 struct SANSMESH_API SectionOptions {
-  std::vector<CutPlane> planes = {};
-  std::optional<SectionAxis> axis = {};
-  std::optional<double> first = {};     ///< position of the first of the series (length)
-  std::optional<double> interval = {};  ///< from one to the next (length, not 0); default: spread over the box
-  std::optional<int> count = {};        ///< 1..100000; default: 1, or as many as steps fit into the box
+  std::vector<CutPlane> planes = {};     ///< single ones
+  std::optional<SectionAxis> axis = {};  ///< of the series; default: there is none
+  std::optional<double> first = {};      ///< position of the first of the series (length)
+  std::optional<double> interval = {};   ///< from one to the next (length, not 0); default: spread over the box
+  std::optional<int> count = {};         ///< 1..100000; default: 1, or as many as steps fit into the box
   /// Of functions and isosurfaces: lattice squares along the longer side of the box, 2..4096.
   std::optional<int> resolution = {};
 
@@ -178,19 +197,23 @@ struct SANSMESH_API SectionOptions {
   void validate() const;
 };
 
+/// Numbers of a run of section().
 struct SectionReport {
-  std::size_t curves = 0, open_curves = 0;
+  std::size_t curves = 0;       ///< of all planes
+  std::size_t open_curves = 0;  ///< of these, not closed: the surface has borders there
 };
 
+/// Cross-sections of a surface.
 struct SectionResult {
   std::vector<Section> sections;  ///< a plane each: single ones, then the series
-  SectionReport report;
+  SectionReport report;           ///< counts of their curves
   /// "open_curves": the surface has borders there.
   std::vector<Note> notes;
 };
 
-/// Of a function the curves of the function itself, without a mesh. Throws ArgumentError for bad options, and for a
-/// resolution of meshes, which are cut exactly; DataError of points, and without finite vertices; Cancelled.
+/// Cuts a surface with planes; of a function the curves of the function itself, without a mesh. Throws ArgumentError
+/// for bad options, and for a resolution of meshes, which are cut exactly; DataError of points, and without finite
+/// vertices; Cancelled.
 SANSMESH_API SectionResult section(const AnySurface& surface, const SectionOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -31,7 +31,7 @@ struct ReadReport {
 /// file says; text without types: int32, or int64 or uint64 where they need it, if all are whole, else double.
 ///
 /// LAS: the attributes are `intensity` (uint16), `return_number` and `number_of_returns` (uint8, 1 the first),
-/// `classification` (uint8, the ASPRS classes of points/point_classes.h), `synthetic` and `overlap` (uint8, 1 where
+/// `classification` (uint8, the ASPRS classes of sansmesh/cloud_options.h), `synthetic` and `overlap` (uint8, 1 where
 /// flagged so; overlap in point formats 6 to 10), `scan_angle` (float, degrees from straight down, positive to the
 /// right of the flight), `point_source_id` (uint16, flight line), `user_data` (uint8), `gps_time` (double, seconds as
 /// the file counts them) and `near_infrared` (uint16), as far as the point format has them and any point has another
@@ -41,7 +41,7 @@ struct ReadReport {
 /// Throws FileError where the file is missing, empty, truncated, malformed or holds no points.
 SANSMESH_API PointSet read_points(const std::string& file, ReadReport* report = nullptr);
 
-/// Whether there is a reader for files of that ending.
+/// Whether there is a reader of clouds and meshes for files of that ending.
 SANSMESH_API bool is_read(const std::string& file);
 
 /// The points of several files (tiles of a survey, parts of a scan) as one cloud, in the order of the files. All have
@@ -61,6 +61,7 @@ SANSMESH_API TriangleMesh read_mesh(const std::string& file, ReadReport* report 
 /// which hold no lines. Throws FileError as read_points.
 SANSMESH_API PolylineSet read_lines(const std::string& file);
 
+/// How a file is written.
 struct WriteOptions {
   bool ascii = false;  ///< text instead of binary, where the format has both
 };
@@ -84,16 +85,18 @@ SANSMESH_API bool is_written(const std::string& file, const std::string& kind);
 /// What the format of `file` has no room for, of what there is: "normals", "colours", names of attributes, "… of
 /// triangles". Throws FileError where there is no writer.
 SANSMESH_API std::vector<std::string> left_out(const std::string& file, const TriangleMesh& mesh);
+/// The same of a cloud.
 SANSMESH_API std::vector<std::string> left_out(const std::string& file, const PointSet& points);
 
 /// Writes VTP (lines, with all attributes), PLY (vertices and edges, with the attributes of points) or CSV (a row a
 /// point: line,x,y,z and the attributes of points; `time`, where there is one, comes second) by the name's ending.
 SANSMESH_API void write_lines(const std::string& file, const PolylineSet& lines, const WriteOptions& options = {});
 
-/// Writes a PNG.
+/// Writes a PNG of 8 bits a channel; values beyond 0..1 are clamped. Throws ArgumentError for an image without pixels,
+/// or without width · height of them; FileError for another ending than .png.
 SANSMESH_API void write_image(const std::string& file, const Image& image);
 
-/// Writes text (JSON, CSV) atomically.
+/// Writes text (JSON, CSV) as it is, atomically.
 SANSMESH_API void write_text(const std::string& file, const std::string& text);
 
 /// Throws FileError early, before long work, if `file` has an ending that no writer knows (kind: "mesh", "points",

@@ -16,8 +16,9 @@
 
 namespace sansmesh::inline v1 {
 
-/// Counts over the triangles with three different corners; others are only counted as degenerate. Vertices are told
-/// apart by index, not by position: a triangle soup has three boundary edges per triangle.
+/// How the triangles of a mesh hang together. Counts over the triangles with three different corners; others are only
+/// counted as degenerate. Vertices are told apart by index, not by position: a triangle soup has three boundary edges
+/// per triangle.
 struct MeshTopology {
   std::size_t vertices = 0;              ///< used by a triangle
   std::size_t unused_vertices = 0;       ///< used by none
@@ -29,14 +30,16 @@ struct MeshTopology {
   std::size_t nonmanifold_edges = 0;     ///< of three triangles or more
   std::size_t nonmanifold_vertices = 0;  ///< whose triangles form several fans
   std::size_t inconsistent_edges = 0;    ///< of two triangles that run through it in the same direction
-  /// That more triangles run through in one direction than in the other: all of the boundary, and what else has faces
-  /// that contradict each other.
+  /// Edges that more triangles run through in one direction than in the other: all of the boundary, and what else has
+  /// faces that contradict each other.
   std::size_t open_edges = 0;
   std::size_t components = 0;         ///< sets of triangles connected by shared vertices
   std::size_t largest_component = 0;  ///< triangles of the largest one
   long euler = 0;                     ///< vertices − edges + triangles
 
+  /// No edge of three triangles or more, and every vertex has one fan: a surface, perhaps with borders.
   bool manifold() const { return nonmanifold_edges == 0 && nonmanifold_vertices == 0; }
+  /// No two triangles of an edge contradict each other.
   bool oriented() const { return inconsistent_edges == 0; }
   /// No edge is open: the volume within does not depend on where it is measured from, even if it is not manifold.
   bool encloses() const { return triangles > 0 && open_edges == 0; }
@@ -49,15 +52,17 @@ struct MeshTopology {
   }
 };
 
-/// Time and memory linear in the size of the mesh, in parallel.
+/// Counts them. Time and memory linear in the size of the mesh, in parallel.
 SANSMESH_API MeshTopology measure_topology(const TriangleMesh& mesh);
 
-/// Over the triangles with an area; lengths in the unit of the mesh, angles in degrees.
+/// Shapes and sizes of the triangles, over those with an area; lengths in the unit of the mesh, angles in degrees.
 struct MeshQuality {
   std::size_t triangles = 0;  ///< that have an area
   /// Aspect ratio AR = l_max P / (4 √3 S) with longest edge l_max, perimeter P, area S: 1 for an equilateral triangle
   /// (METHODS 3.3; tejada2008, section 3.3). Ratios above 1e6 count as 1e6, so that one sliver does not hide the rest.
-  double aspect_mean = 0, aspect_deviation = 0, aspect_max = 0;
+  double aspect_mean = 0;
+  double aspect_deviation = 0;     ///< standard deviation of the aspect ratio
+  double aspect_max = 0;           ///< largest aspect ratio, 1e6 at most
   double smallest_angle_mean = 0;  ///< mean over the triangles of their smallest angle: 60 at best
   double smallest_angle = 0;       ///< of all
   double small_angle_share = 0;    ///< share in 0..1 of triangles with an angle below 10°
@@ -67,18 +72,24 @@ struct MeshQuality {
   double volume = 0;
 };
 
-/// Deterministic for any number of threads.
+/// Measures them. Deterministic for any number of threads.
 SANSMESH_API MeshQuality measure_quality(const TriangleMesh& mesh);
 
-/// From the samples of one surface to the closest points of the other. Lengths in the unit of the input.
+/// Distances from the samples of one surface to the closest points of the other. Lengths in the unit of the input.
 struct OneWayDistance {
-  std::size_t samples = 0;
-  double mean = 0, rms = 0, p95 = 0, max = 0;
-  /// Mean angle in degrees between the normals at a sample and its closest point: of the planes (0..90), and with
-  /// regard to the normals' signs (0..180). Absent where a side is points without normals.
-  std::optional<double> angle, signed_angle;
+  std::size_t samples = 0;  ///< number of samples
+  double mean = 0;          ///< mean distance
+  double rms = 0;           ///< root mean square distance
+  double p95 = 0;           ///< 95 % quantile of the distances
+  double max = 0;           ///< largest distance (one-sided Hausdorff distance of the samples)
+  /// Mean angle between the tangent planes at a sample and its closest point (degrees, 0..90). Absent where a side is
+  /// points without normals.
+  std::optional<double> angle;
+  /// The same between the normals, with regard to their signs (degrees, 0..180).
+  std::optional<double> signed_angle;
 };
 
+/// How far two surfaces are apart, both ways.
 struct SurfaceDistance {
   OneWayDistance to_reference;    ///< accuracy: is what was made where it should be?
   OneWayDistance from_reference;  ///< completeness: is all there?
@@ -95,10 +106,12 @@ struct FarPlaces {
   std::optional<Vec3> most;   ///< one around which most of those lie (input); nothing where none is far
 };
 
+/// What a mesh leaves out of its samples, and what it makes up.
 struct MeshCoverage {
-  double spacing = 0, noise = 0;  ///< of the samples, as estimated (length)
-  FarPlaces lost;                 ///< samples without a surface
-  FarPlaces invented;             ///< surface without samples
+  double spacing = 0;  ///< of the samples, as estimated (length)
+  double noise = 0;    ///< of the samples, as estimated: standard deviation (length)
+  FarPlaces lost;      ///< samples without a surface
+  FarPlaces invented;  ///< surface without samples
 };
 
 /// Where the search for the motion begins.
@@ -108,14 +121,15 @@ enum class AlignStart : std::uint8_t {
   anywhere     ///< every rotation, and places that look alike
 };
 
+/// How a motion is looked for.
 struct SANSMESH_API SurfaceAlignmentOptions {
-  AlignStart start = AlignStart::automatic;
-  /// Of the moving surface that are compared in the last steps, 100..10^7.
+  AlignStart start = AlignStart::automatic;  ///< where the search begins
+  /// Samples of the moving surface that are compared in the last steps, 100..10^7.
   std::size_t samples = 20000;
   /// Steps of each search at most, 1..1000.
   int iterations = 100;
   /// Also find one factor for all lengths.
-  bool scale = false;
+  bool find_scale = false;
 
   static const OptionSchema& schema();  ///< a row a field
   /// Throws ArgumentError naming the field.
@@ -124,31 +138,36 @@ struct SANSMESH_API SurfaceAlignmentOptions {
 
 /// x → scale · R (x − from) + to, R by its columns, in the coordinates of the world.
 struct SANSMESH_API SimilarityMotion {
-  Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
-  double scale = 1;
-  Vec3 from, to;
+  Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  ///< column of R: where the unit vector of that axis turns
+  double scale = 1;                         ///< factor of lengths, > 0
+  Vec3 from;                                ///< centre before the motion
+  Vec3 to;                                  ///< where that goes
 
+  /// R v: of a direction.
   Vec3 turn(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
+  /// Of a position.
   Vec3 operator()(const Vec3& p) const { return turn(p - from) * scale + to; }
-  /// Of the rotation, 0..180 degrees.
+  /// Angle of the rotation, 0..180 degrees.
   double angle() const;
-  Vec3 axis() const;  ///< unit; any where the angle is 0
+  Vec3 axis() const;  ///< of the rotation: unit; any where the angle is 0
+  /// The same as an affine map.
   AffineMap map() const;
 };
 
-/// Lengths in the unit of the fixed surface.
+/// A motion, and how well the surfaces fit by it. Lengths in the unit of the fixed surface.
 struct SurfaceAlignment {
-  SimilarityMotion motion;
+  SimilarityMotion motion;                    ///< of the moving surface
   AlignStart start = AlignStart::as_it_lies;  ///< from which the motion was found
   int iterations = 0;                         ///< of the last search
   std::size_t samples = 0;                    ///< compared
   /// Share (0..1) of the samples that lie on the fixed surface: within `reach` of it, where it has not ended, and with
   /// a like normal.
   double overlap = 0;
-  double reach = 0;
-  /// Distances of these from the surface, now; and of all samples before.
-  double rms = 0, median = 0, p95 = 0;
-  double median_before = 0;
+  double reach = 0;          ///< length, see above
+  double rms = 0;            ///< distance of these samples from the surface, root mean square
+  double median = 0;         ///< distance of these samples from the surface
+  double p95 = 0;            ///< 95 % quantile of that distance
+  double median_before = 0;  ///< distance of all samples from the surface before the motion
   /// How far the samples were moved, root mean square.
   double moved = 0;
   /// Other poses that fit as well (to 2 %): the shape looks alike from several sides. Only where they were looked for.
@@ -158,8 +177,9 @@ struct SurfaceAlignment {
   /// Motions, of the six (seven), that the surfaces do not tell: 3 of a ball, 1 of a vase that was turned on a wheel.
   int free_motions = 0;
   /// Share (0..1) of the samples beside the fixed surface at which its shape is another one: their neighbours are off
-  /// by the same, which noise is not. Median of that distance.
-  double differing = 0, differing_by = 0;
+  /// by the same, which noise is not.
+  double differing = 0;
+  double differing_by = 0;  ///< median distance of these samples from the fixed surface
   /// The mirror image of what moves fits where it does not itself. Looked for only where the shape differs.
   bool mirror_image_fits = false;
   /// Whether this can be the motion: the overlap is a fifth or more.

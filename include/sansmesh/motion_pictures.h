@@ -11,15 +11,12 @@
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render_options.h"
+#include "sansmesh/simulate.h"
 #include "sansmesh/tet_mesh.h"
 #include "sansmesh/volume_field.h"
 #include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
-
-class CarriedSurface;
-class Motion;
-struct DynamicsScene;
 
 /// A volume that is seen through the tetrahedra.
 struct CarriedVolume {
@@ -42,7 +39,7 @@ class SANSMESH_API MotionPictures {
   const std::vector<Note>& notes() const;
   /// To be called once, before pictures are drawn; obstacles of `scene` are drawn, its lengths in the unit of the
   /// body's file.
-  void show(std::shared_ptr<const Motion> motion, const DynamicsScene& scene);
+  void show(Motion motion, const DynamicsScene& scene);
   /// The picture of a frame of the motion, from 0 on. Not from several threads. Throws DataError where there is nothing
   /// to draw, Cancelled.
   Image draw(std::size_t frame, Progress& progress);

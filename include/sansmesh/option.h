@@ -24,27 +24,28 @@ namespace sansmesh::inline v1 {
 using OptionValue = std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<double>,
                                  std::vector<std::string>>;
 
+/// Type of an option's value.
 enum class OptionKind : std::uint8_t {
-  flag,
-  whole,
-  real,
-  text,
+  flag,     ///< bool
+  whole,    ///< a whole number
+  real,     ///< a real number
+  text,     ///< any text, or one of a type that has words for its values
   choice,   ///< one of a few words; its value is the word
   numbers,  ///< a list of `count` numbers, or of any number of them where that is 0
-  texts,
-  group  ///< a struct of options
+  texts,    ///< a list of texts
+  group     ///< a struct of options
 };
 
 /// Numbers that an option takes. An end that is excluded is approached only.
 struct SANSMESH_API OptionRange {
-  double least = -std::numeric_limits<double>::infinity();
-  double most = std::numeric_limits<double>::infinity();
-  bool above = false;  ///< `least` itself is excluded
-  bool below = false;  ///< `most` itself is excluded
+  double least = -std::numeric_limits<double>::infinity();  ///< lower end
+  double most = std::numeric_limits<double>::infinity();    ///< upper end
+  bool above = false;                                       ///< `least` itself is excluded
+  bool below = false;                                       ///< `most` itself is excluded
 
-  /// Finite numbers only.
+  /// Whether the number is finite and lies in the range.
   bool holds(double value) const;
-  /// "1..10000", "above 0, up to 0.65", "above 0", "3 or more"; empty if any number is taken.
+  /// The range in words: "1..10000", "above 0, up to 0.65", "above 0", "3 or more"; empty if any number is taken.
   std::string words() const;
 };
 
@@ -67,16 +68,21 @@ struct OptionFacts {
   std::string_view needs = {};                         ///< an option without which this one means nothing
   std::string_view excludes = {};                      ///< an option that cannot be set as well
   std::span<const std::string_view> usual_words = {};  ///< of a text: some that it may be, to be offered
-  std::string_view old_name = {};                      ///< a name that it had: understood, and warned of
+  std::string_view old_name = {};  ///< that it had, understood and warned of; a flag that is on by itself: turned off
 };
 
+/// One field of an options struct: what is said of it, its type, and how it is read and written. Made by option(),
+/// option_group() and option_base().
 struct OptionRow : OptionFacts {
+  /// Whether it may be named without a value: `implied` is then its value.
   bool may_stand_alone() const { return implied.data() != nullptr; }
 
-  OptionKind kind = OptionKind::flag;
-  bool optional = false;  ///< may be left to the data
-  int count = 1;          ///< of numbers
+  OptionKind kind = OptionKind::flag;  ///< type of its value
+  bool optional = false;               ///< may be left to the data
+  int count = 1;                       ///< of numbers
+  /// Reads the field of a struct; null for groups. Choices come as numbers: see option_value.
   OptionValue (*get)(const void* options) = nullptr;
+  /// Writes the field of a struct, without any check; null for groups. See set_option.
   void (*set)(void* options, const OptionValue& value) = nullptr;
   void* (*part)(void* options) = nullptr;  ///< of a group: the struct
   std::span<const OptionRow> rows = {};    ///< of a group
@@ -84,7 +90,7 @@ struct OptionRow : OptionFacts {
 
 /// All options of a struct.
 struct OptionSchema {
-  std::span<const OptionRow> rows;
+  std::span<const OptionRow> rows;  ///< in the order in which they are told; they live as long as the program
 };
 
 namespace schema_detail {
@@ -299,19 +305,22 @@ concept HasSchema = requires {
 /// Calls `use` for every row, those of groups in their place, with the struct that it is a field of.
 SANSMESH_API void for_each_option(const OptionSchema& schema, void* options,
                                   const std::function<void(const OptionRow& row, void* owner)>& use);
+/// The same of a constant struct.
 SANSMESH_API void for_each_option(const OptionSchema& schema, const void* options,
                                   const std::function<void(const OptionRow& row, const void* owner)>& use);
 
-/// Choices as words. Throws ArgumentError for enumerators without one.
+/// Value of a row's field in the struct `owner`, choices as words. Throws ArgumentError for enumerators without one.
 SANSMESH_API OptionValue option_value(const OptionRow& row, const void* owner);
-/// The same way back: checks kind, range and words. Whole numbers are taken for real ones. Throws ArgumentError.
+/// Sets a row's field in the struct `owner`: checks kind, range and words. Whole numbers are taken for real ones.
+/// Throws ArgumentError.
 SANSMESH_API void set_option(const OptionRow& row, void* owner, const OptionValue& value);
-/// "0.6", "compact", "yes", "1, 2, 3"; empty if it is not set.
+/// A value in words: "0.6", "compact", "yes", "1, 2, 3"; empty if it is not set.
 SANSMESH_API std::string option_words(const OptionValue& value);
 
 /// Throws ArgumentError unless every value lies in its range, needs what is set and excludes what is set. `usual` is a
 /// default-constructed struct.
 SANSMESH_API void validate_options(const OptionSchema& schema, const void* options, const void* usual);
+/// The same of a struct with a schema.
 template <HasSchema T>
 void validate_options(const T& options) {
   const T usual{};
@@ -321,6 +330,7 @@ void validate_options(const T& options) {
 /// Names of the options that differ from those of a default-constructed struct.
 SANSMESH_API std::vector<std::string_view> options_set(const OptionSchema& schema, const void* options,
                                                        const void* usual);
+/// The same of a struct with a schema.
 template <HasSchema T>
 std::vector<std::string_view> options_set(const T& options) {
   const T usual{};

@@ -55,10 +55,10 @@ struct SANSMESH_API PictureOptions {
   /// An attribute, of vectors its length; of a surface without a mesh "mean", "gaussian", "k1" or "k2" curvature;
   /// "confidence". Of one object only. Default: the colours that it has.
   std::string color_by = {};
-  std::optional<double> color_range = {};                     ///< curvature with the full colour; default: from data
-  std::optional<std::pair<double, double>> value_range = {};  ///< of an attribute: what gets the colours at the ends
-  std::string unit = {};                                      ///< of lengths, or of the attribute: at the bar
-  bool bar = true;                                            ///< of colours, beside the picture
+  /// Values with the colours at the ends of the bar, of curvatures −R and R; default: from data.
+  std::optional<std::pair<double, double>> color_range = {};
+  std::string unit = {};  ///< of lengths, or of the attribute: at the bar
+  bool bar = true;        ///< of colours, beside the picture
   // Of the objects, in their order; those that are missing follow by themselves.
   std::vector<std::string> colors = {};  ///< "#rrggbb", a name, "own" or "auto"
   std::vector<double> opacities = {};    ///< 0..1

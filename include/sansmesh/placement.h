@@ -21,34 +21,44 @@ struct Placement {
   Vec3 origin;      ///< of the own coordinates, in the input
   double unit = 1;  ///< length in the input of 1 in the own coordinates, > 0
 
+  /// Position in the input.
   Vec3 to_input(const Vec3& x) const { return origin + x * unit; }
+  /// Own position.
   Vec3 from_input(const Vec3& x) const { return (x - origin) * (1 / unit); }
-  /// Of what lies at `offset` from a place of the input: nothing is lost where that place is near the origin.
+  /// Own position of what lies at `offset` from a place of the input: nothing is lost where that place is near the
+  /// origin.
   Vec3 from_input(const Vec3& at, const Vec3f& offset) const { return (at - origin + Vec3(offset)) * (1 / unit); }
 
-  /// Empty boxes stay empty.
+  /// The box in the input; empty boxes stay empty.
   template <class T>
   Box3 to_input(const BoxT<T>& box) const {
     return box.empty() ? Box3{} : Box3{to_input(Vec3(box.lower)), to_input(Vec3(box.upper))};
   }
+  /// The box in own coordinates; empty boxes stay empty.
   Box3 from_input(const Box3& box) const {
     return box.empty() ? Box3{} : Box3{from_input(box.lower), from_input(box.upper)};
   }
 
-  /// Lengths.
+  /// Length in the input; also of values of a distance.
   double to_input(double length) const { return length * unit; }
+  /// Own length.
   double from_input(double length) const { return length / unit; }
 
+  /// Whether origin and unit are equal.
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
-/// The unit is the least power of two that is not smaller than `extent`, the size of what is placed; 1 if that is 0.
+/// The placement with that origin. The unit is the least power of two that is not smaller than `extent`, the size of
+/// what is placed; 1 if that is 0.
 SANSMESH_API Placement placement_for(const Vec3& origin, double extent);
 
-/// Positions of a whole cloud (those of scanners included) or mesh; its origin becomes 0 in own coordinates.
+/// Brings a whole cloud (positions of scanners included) from the input to own coordinates; its origin becomes 0.
 SANSMESH_API void move_from_input(PointSet& points, const Placement& place);
+/// The same of a mesh.
 SANSMESH_API void move_from_input(TriangleMesh& mesh, const Placement& place);
+/// Brings a whole cloud from own coordinates to the input; its origin becomes that of `place`.
 SANSMESH_API void move_to_input(PointSet& points, const Placement& place);
+/// The same of a mesh.
 SANSMESH_API void move_to_input(TriangleMesh& mesh, const Placement& place);
 
 }  // namespace sansmesh::inline v1

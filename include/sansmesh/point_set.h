@@ -20,6 +20,7 @@ struct PointSet {
   /// Positions relative to `origin`, in the file's unit. Survey coordinates (six-digit eastings with millimetres)
   /// lose nothing in float this way: world position = origin + position.
   Vec3 origin;
+  /// Of the samples, relative to `origin`.
   std::vector<Vec3f> positions;
   /// Unit normals pointing outward, or zero where unknown; empty if the file has none.
   std::vector<Vec3f> normals;
@@ -30,7 +31,7 @@ struct PointSet {
   /// Which scan the sample is of: the index of the position that saw it (`scanners`). Of indices beyond these the
   /// position is unknown, of kUnknownScan the scan, too. May be empty.
   std::vector<std::uint16_t> scan_of_point;
-  static constexpr std::uint16_t kUnknownScan = 65535;
+  static constexpr std::uint16_t kUnknownScan = 65535;  ///< entry of `scan_of_point` where the scan is not known
   /// Scanner positions relative to `origin`, where known.
   std::vector<Vec3f> scanners;
   /// What the scans are called, by their index: files. As far as known; may be empty.
@@ -45,8 +46,11 @@ struct PointSet {
   /// Every sample lies on a face of a mesh, so there is a surface at each: none is a stray.
   bool of_faces = false;
 
+  /// Number of samples.
   std::size_t size() const { return positions.size(); }
+  /// Whether there are normals, be some of them unknown.
   bool has_normals() const { return !normals.empty(); }
+  /// Whether there are colours.
   bool has_colors() const { return !colors.empty(); }
 };
 

@@ -15,20 +15,23 @@
 
 namespace sansmesh::inline v1 {
 
+/// Holes of a mesh.
 struct HolesResult {
-  HoleLoops holes;
+  HoleLoops holes;                  ///< their borders
   std::size_t triangles = 0;        ///< of the mesh
   std::size_t joined_vertices = 0;  ///< at the same place as another
   /// "stray_border": border that runs around no hole.
   std::vector<Note> notes;
 };
 
-/// Throws DataError for more triangles than can be counted, Cancelled.
+/// Finds the holes; vertices at the same place become one before. Throws DataError for more triangles than can be
+/// counted, Cancelled.
 SANSMESH_API HolesResult list_holes(TriangleMesh mesh, Progress& progress);
 
+/// Mesh with holes filled.
 struct FillResult {
-  TriangleMesh mesh;
-  FillReport report;
+  TriangleMesh mesh;                ///< the original with its fillings
+  FillReport report;                ///< what became of each hole
   std::size_t triangles = 0;        ///< of the original
   std::size_t joined_vertices = 0;  ///< of the original, at the same place as another
   /// "stray_border": border that runs around no hole; "no_way_across": holes that cannot be filled; "ends": openings
@@ -37,19 +40,20 @@ struct FillResult {
   std::vector<Note> notes;
 };
 
-/// The mesh with its holes filled (fill_holes); vertices at the same place become one before. Throws ArgumentError for
+/// The mesh with its holes filled; vertices at the same place become one before. Throws ArgumentError for
 /// bad options, DataError, Cancelled.
 SANSMESH_API FillResult fill(TriangleMesh mesh, const FillOptions& options, Progress& progress);
 
+/// Smoothed mesh.
 struct SmoothResult {
-  TriangleMesh mesh;
-  SmoothReport report;
-  /// "shortened": `length` would take more rounds than there may be; "moved_far": more than noise is gone.
+  TriangleMesh mesh;    ///< with the vertices moved
+  SmoothReport report;  ///< how far they moved
+  /// "shortened": `shorter_than` would take more rounds than there may be; "moved_far": more than noise is gone.
   std::vector<Note> notes;
 };
 
-/// The mesh by Taubin's filter, or with `creases` by bilateral normals (smooth_mesh); its triangles stay. Throws
-/// ArgumentError for bad options, Cancelled.
+/// The mesh by Taubin's filter, or with `creases` by bilateral normals (docs/methods/mesh-repair.md); its triangles
+/// stay. Throws ArgumentError for bad options, Cancelled.
 SANSMESH_API SmoothResult smooth(TriangleMesh mesh, const SmoothOptions& options, Progress& progress);
 
 /// How far to go: by one of `triangles`, `ratio` and `error`; half of the triangles by default.
@@ -67,25 +71,28 @@ struct SANSMESH_API SimplifyOptions {
   void validate() const;
 };
 
+/// Numbers of a run of simplify().
 struct SimplifyReport {
-  std::size_t vertices = 0, triangles = 0;  ///< of the original
-  std::size_t joined_vertices = 0;          ///< of the original, at the same place as another
-  SurfaceDistance distance;                 ///< from the original, and back
-  double least_shape = 0;                   ///< as asked of the triangles made
+  std::size_t vertices = 0;         ///< of the original
+  std::size_t triangles = 0;        ///< of the original
+  std::size_t joined_vertices = 0;  ///< of the original, at the same place as another
+  SurfaceDistance distance;         ///< from the original, and back
+  double least_shape = 0;           ///< as asked of the triangles made
   /// How far off the best shapes are (length), where worse ones are nearer and were taken.
   std::optional<double> farthest_by_shape;
 };
 
+/// Mesh of fewer triangles.
 struct SimplifyResult {
-  TriangleMesh mesh;
-  SimplifyReport report;
+  TriangleMesh mesh;      ///< the simplified one
+  SimplifyReport report;  ///< how far it is from the original
   /// "seams": vertices at one place differ otherwise; "more_triangles": fewer cannot be had; "far_off": more than a
   /// hundredth of the diagonal.
   std::vector<Note> notes;
 };
 
-/// The mesh of fewer triangles by collapses of edges (mesh/simplify.h): borders, creases and topology stay; colours and
-/// attributes of vertices that merge are averaged. Throws ArgumentError for bad options, Cancelled.
+/// The mesh of fewer triangles by collapses of edges (docs/methods/polygonisation.md): borders, creases and topology
+/// stay; colours and attributes of vertices that merge are averaged. Throws ArgumentError for bad options, Cancelled.
 SANSMESH_API SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -18,9 +18,9 @@ struct HoleLoop {
   /// Vertices in the order in which triangles that fill it run: the border's own run the other way. Where vertices
   /// repeat at a place, the ones that the border has.
   std::vector<std::uint32_t> vertices;
-  Vec3 middle;  ///< of its edges, in the coordinates of the world
-  double perimeter = 0;
-  double diameter = 0;  ///< diagonal of its box
+  Vec3 middle;           ///< of its edges, in the coordinates of the world
+  double perimeter = 0;  ///< length of the loop
+  double diameter = 0;   ///< diagonal of its box
   /// The same over the diagonal of the box of the piece that it is in: near 1 it is the outer border of that piece.
   double share = 0;
   /// How steeply the mesh leaves the plane of the loop, 0..1, on the mean: 0 of a hole in a plane, 1 of a tube that is
@@ -28,6 +28,7 @@ struct HoleLoop {
   double steepness = 0;
 };
 
+/// All closed curves along the borders of a mesh.
 struct HoleLoops {
   std::vector<HoleLoop> loops;        ///< by falling diameter
   std::size_t border_edges = 0;       ///< of one triangle
@@ -35,6 +36,7 @@ struct HoleLoops {
   std::size_t nonmanifold_edges = 0;  ///< of three triangles or more
 };
 
+/// Which holes are filled, and how.
 struct SANSMESH_API FillOptions {
   /// Fill holes of at most this diameter (length, > 0). Default: those of at most `share` of their piece.
   std::optional<double> largest = {};
@@ -56,32 +58,40 @@ struct SANSMESH_API FillOptions {
   void validate() const;
 };
 
+/// What became of the holes.
 struct FillReport {
-  enum class Outcome : std::uint8_t { filled, too_large, failed, end };
-  HoleLoops found;
+  /// What became of one hole.
+  enum class Outcome : std::uint8_t {
+    filled,     ///< it is closed
+    too_large,  ///< left open, as the options say
+    failed,     ///< no triangles go across it without an edge that is there already
+    end         ///< left open because it looks like the end of something that goes on
+  };
+  HoleLoops found;               ///< in the original
   std::vector<Outcome> outcome;  ///< of each loop
-  std::size_t filled = 0, too_large = 0;
-  /// No triangles go across it without an edge that is there already.
-  std::size_t failed = 0;
-  /// Left open because they look like the ends of something that goes on.
-  std::size_t ends = 0;
-  std::size_t triangles = 0, vertices = 0;  ///< added
-  double area = 0;                          ///< added, length²
+  std::size_t filled = 0;        ///< loops by outcome
+  std::size_t too_large = 0;     ///< loops by outcome
+  std::size_t failed = 0;        ///< loops by outcome
+  std::size_t ends = 0;          ///< loops by outcome
+  std::size_t triangles = 0;     ///< added
+  std::size_t vertices = 0;      ///< added
+  double area = 0;               ///< added, length²
   /// Pieces of the mesh whose middle lies near a filling (nearer than a quarter of the hole's diameter): they stay, and
   /// now lie before, behind or across it.
   std::size_t islands = 0;
 };
 
+/// How far a mesh is smoothed, and what is kept.
 struct SANSMESH_API SmoothOptions {
-  /// Pairs of steps, 1..10000; with `creases` rounds over the normals. Default: what `length` asks for; else 10, with
-  /// `creases` 8.
+  /// Pairs of steps, 1..10000; with `creases` rounds over the normals. Default: what `shorter_than` asks for; else 10,
+  /// with `creases` 8.
   std::optional<int> iterations = {};
   /// How far a step goes towards the mean of the neighbours, above 0, up to 0.65: longer steps blow up waves of two
   /// edges.
   double strength = 0.6;
   /// Details of this wavelength become half as high, shorter ones vanish, ones of twice the length and more hardly
   /// change (length, > 0). Not with `iterations` or `creases`.
-  std::optional<double> length = {};
+  std::optional<double> shorter_than = {};
   /// Keep creases: means of the normals of triangles, then vertices that follow them.
   bool creases = false;
   /// With `creases`: triangles whose normals differ by much more than this do not blur (degrees, 1..90). Default: from
@@ -97,16 +107,18 @@ struct SANSMESH_API SmoothOptions {
 
 /// What became of it, over the vertices that triangles use. Lengths in the unit of the mesh.
 struct SmoothReport {
-  std::size_t vertices = 0;  ///< used by a triangle; those at the same place count once
-  std::size_t fixed = 0;     ///< of these stayed: on borders, or where edges have three triangles or more
-  double mean_edge = 0;      ///< before
-  double rms_move = 0, largest_move = 0;
-  int iterations = 0;       ///< as used
-  double crease_angle = 0;  ///< as used, degrees
-  bool shortened = false;   ///< `length` would have taken more iterations than there may be
-  double area_before = 0, area_after = 0;
-  /// Where the mesh is closed and oriented.
-  std::optional<double> volume_before, volume_after;
+  std::size_t vertices = 0;             ///< used by a triangle; those at the same place count once
+  std::size_t fixed = 0;                ///< of these stayed: on borders, or where edges have three triangles or more
+  double mean_edge = 0;                 ///< before
+  double rms_move = 0;                  ///< distance that vertices moved, root mean square
+  double largest_move = 0;              ///< distance that vertices moved
+  int iterations = 0;                   ///< as used
+  double crease_angle = 0;              ///< as used, degrees
+  bool shortened = false;               ///< `shorter_than` would have taken more iterations than there may be
+  double area_before = 0;               ///< length²
+  double area_after = 0;                ///< length²
+  std::optional<double> volume_before;  ///< length³; nothing unless the mesh is closed and oriented
+  std::optional<double> volume_after;   ///< length³; nothing unless the mesh is closed and oriented
 };
 
 }  // namespace sansmesh::inline v1

@@ -21,24 +21,28 @@ namespace sansmesh::inline v1 {
 struct Lattice {
   std::array<std::vector<double>, 3> axes;  ///< strictly increasing, at least 2 each
   std::array<Vec3, 3> directions{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}};  ///< orthonormal, may mirror
-  Vec3 origin;
+  Vec3 origin;  ///< where the coordinates on the axes are 0
   /// Where the volume ends on each axis: at the first and last sample, or half a cell beyond if values belong to cells.
   std::array<double, 3> lower{}, upper{};
   bool uniform = false;  ///< steps along each axis are equal, to rounding
 
+  /// Number of samples.
   std::size_t size() const { return axes[0].size() * axes[1].size() * axes[2].size(); }
-  /// Coordinates on the axes of a place, and back.
+  /// Coordinates on the axes of a place.
   Vec3 to_axes(const Vec3& x) const {
     const Vec3 d = x - origin;
     return {dot(directions[0], d), dot(directions[1], d), dot(directions[2], d)};
   }
+  /// The place of coordinates on the axes.
   Vec3 from_axes(const Vec3& a) const {
     return origin + directions[0] * a.x + directions[1] * a.y + directions[2] * a.z;
   }
+  /// (i, j, k) of a sample.
   std::array<std::size_t, 3> indices(std::size_t sample) const {
     const std::size_t nx = axes[0].size(), ny = axes[1].size();
     return {sample % nx, sample / nx % ny, sample / (nx * ny)};
   }
+  /// Where a sample lies.
   Vec3 position(std::size_t sample) const {
     const auto i = indices(sample);
     return from_axes({axes[0][i[0]], axes[1][i[1]], axes[2][i[2]]});
@@ -47,30 +51,34 @@ struct Lattice {
 
 /// What was found and mended on the way from a file's blocks to samples.
 struct VolumeFacts {
-  std::string grid;                    ///< in words: "curvilinear", "AMR, 4 levels", "3 overlapping curvilinear blocks"
-  bool unstructured = false;           ///< a single block of cells in no order: it may be a body
-  std::size_t blocks = 0, levels = 1;  ///< as the file has them
-  std::size_t points = 0, cells = 0;   ///< as the file has them
-  std::size_t merged = 0;              ///< points at the place of another one that became one sample
-  std::size_t hidden = 0;              ///< blanked, covered by finer levels, ghosts
-  std::size_t overlapped = 0;          ///< samples left out since a finer block covers their place
-  std::size_t degenerate = 0;          ///< cells without volume or with corners that coincide
-  std::size_t inverted = 0;            ///< cells that were inside out and were turned
-  std::size_t not_finite = 0;          ///< points left out since a coordinate is not finite
-  std::size_t parts = 1;               ///< that are not connected
-  double layer = 0;                    ///< thickness given to a grid that has only one layer (length), or 0
-  double least_spacing = 0, median_spacing = 0, most_spacing = 0;  ///< of neighbouring samples (length)
-  double aspect = 1;  ///< the largest ratio of longest to shortest edge of a cell
+  std::string grid;            ///< in words: "curvilinear", "AMR, 4 levels", "3 overlapping curvilinear blocks"
+  bool unstructured = false;   ///< a single block of cells in no order: it may be a body
+  std::size_t blocks = 0;      ///< as the file has them
+  std::size_t levels = 1;      ///< of refinement, as the file has them
+  std::size_t points = 0;      ///< as the file has them
+  std::size_t cells = 0;       ///< as the file has them
+  std::size_t merged = 0;      ///< points at the place of another one that became one sample
+  std::size_t hidden = 0;      ///< blanked, covered by finer levels, ghosts
+  std::size_t overlapped = 0;  ///< samples left out since a finer block covers their place
+  std::size_t degenerate = 0;  ///< cells without volume or with corners that coincide
+  std::size_t inverted = 0;    ///< cells that were inside out and were turned
+  std::size_t not_finite = 0;  ///< points left out since a coordinate is not finite
+  std::size_t parts = 1;       ///< that are not connected
+  double layer = 0;            ///< thickness given to a grid that has only one layer (length), or 0
+  double least_spacing = 0;    ///< of neighbouring samples (length)
+  double median_spacing = 0;   ///< of neighbouring samples (length)
+  double most_spacing = 0;     ///< of neighbouring samples (length)
+  double aspect = 1;           ///< the largest ratio of longest to shortest edge of a cell
 };
 
-/// Samples with values, their neighbours, and the region of space that they stand for. Made by assemble_volume.
+/// Samples with values, their neighbours, and the region of space that they stand for.
 ///
 /// Samples at corners of cells (values of points): `corners` is empty, and the cells' corners are samples. Samples in
 /// cells (values of cells): `corners` are the places of the cells' corners, and `cell_sample` tells which sample stands
 /// for a cell. Lattices have none of these: they are known by their axes. Scattered samples have the cells of their
 /// Delaunay tetrahedralisation.
 struct SANSMESH_API SampledVolume {
-  std::optional<Lattice> lattice;
+  std::optional<Lattice> lattice;          ///< of uniform and rectilinear grids: tells all places
   std::vector<Vec3> positions;             ///< of the samples; empty for a lattice
   CellList cells;                          ///< that cover the volume: no degenerate ones, none inside out
   std::vector<Vec3> corners;               ///< see above
@@ -83,16 +91,18 @@ struct SANSMESH_API SampledVolume {
   std::vector<std::uint8_t> level;   ///< of refinement of each sample; empty if there is one
   AttributeTable attributes;         ///< a row a sample
   bool in_cells = false;             ///< values belong to cells
-  bool scattered = false;
-  VolumeFacts facts;
+  bool scattered = false;            ///< points without a grid: the cells are their Delaunay tetrahedra
+  VolumeFacts facts;                 ///< what was found and mended on the way
 
+  /// Number of samples.
   std::size_t size() const { return lattice ? lattice->size() : positions.size(); }
+  /// Where a sample lies.
   Vec3 position(std::size_t sample) const { return lattice ? lattice->position(sample) : positions[sample]; }
   /// Where corner `c` of a cell (an entry of `cells`) lies.
   const Vec3& corner(std::uint32_t c) const { return corners.empty() ? positions[c] : corners[c]; }
   /// The star of a sample; replaces `out`.
   void star(std::size_t sample, std::vector<std::uint32_t>& out) const;
-  /// That the samples and their cells lie in.
+  /// Box that the samples and their cells lie in.
   Box3 bounds() const;
 };
 

@@ -8,13 +8,16 @@
 
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
+#include "sansmesh/query.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
 
-/// What values lie between, both ends included.
+/// An interval of values, both ends included.
 struct ValueRange {
-  double least, most;
+  double least = 0;  ///< lower end, may be −infinity
+  double most = 0;   ///< upper end, may be infinity
+  /// Whether 0 lies in it: a surface is possible.
   bool holds_zero() const { return least <= 0 && most >= 0; }
 };
 
@@ -25,15 +28,15 @@ constexpr double kAssumedSlope = 1.5;
 /// measured in units of length (the gradient has norm about 1).
 ///
 /// Who runs in parallel: the field does. Whoever asks hands over all points that it has, and makes no loop for the sake
-/// of threads; the field spreads a large batch over the threads of its caller (parallel_ranges of core/parallel.h,
-/// which runs a batch of one range where it is asked), or hands it on to fields that do. It may be asked inside a loop
-/// all the same, there with a batch for each iteration. The same holds for all that is asked of many points in this
-/// folder: Projection, PiecewiseField, NormalField, ColorField.
+/// of threads; the field spreads a large batch over the threads of its caller (sansmesh/threads.h),
+/// or hands it on to fields that do. It may be asked inside a loop all the same, there with a batch for each iteration.
+/// The same holds for VectorField, VolumeField and SpaceMap.
 class SANSMESH_API ScalarField {
  public:
+  /// Owners may hold it as a ScalarField.
   virtual ~ScalarField() = default;
 
-  /// Where the field is defined; outside it evaluate() still returns finite values.
+  /// Box in which the field is defined; outside it evaluate() still returns finite values.
   virtual Box3 bounds() const = 0;
 
   /// Values, and if `gradients` is not empty gradients, at all of x. One call per batch: neighbouring points in
@@ -47,6 +50,9 @@ class SANSMESH_API ScalarField {
     evaluate(x, values, gradients);
     std::fill(inside.begin(), inside.end(), std::uint8_t{1});
   }
+
+  /// Both by one call of the shape that all fields have. Throws ArgumentError where sizes do not agree.
+  void query(const Places& at, const ScalarAnswers& wanted) const;
 
   /// What all values within `radius` (>= 0) of each of x lie between: where that does not hold 0, no surface is so
   /// near. As many entries as x; infinite ends where nothing is known. Fields that do not override this (fields of
@@ -68,10 +74,13 @@ SANSMESH_API void fill_undefined(const ScalarField& other, std::span<const Vec3>
 /// A field at one place, and the principal curvatures of its level set there: 1 / length, positive where the set
 /// {F <= F(x)} is convex, k1 >= k2; both 0 where the gradient vanishes.
 struct LevelSetPoint {
-  double value = 0;
-  Vec3 gradient;
-  double k1 = 0, k2 = 0;
+  double value = 0;  ///< of the field
+  Vec3 gradient;     ///< of the field: value per length
+  double k1 = 0;     ///< larger principal curvature (1 / length)
+  double k2 = 0;     ///< smaller principal curvature (1 / length)
+  /// (k1 + k2) / 2 (1 / length).
   double mean_curvature() const { return 0.5 * (k1 + k2); }
+  /// k1 k2 (1 / length²).
   double gaussian_curvature() const { return k1 * k2; }
 };
 

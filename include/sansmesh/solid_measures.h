@@ -23,28 +23,28 @@ namespace sansmesh::inline v1 {
 struct OrientedBox {
   std::array<Vec3, 3> axes{};     ///< orthonormal, right-handed
   std::array<double, 3> sizes{};  ///< along the axes, descending
-  Vec3 center;
+  Vec3 center;                    ///< middle of the box
 };
 
-/// Of a solid of density 1; lengths in the unit of the mesh, positions in world coordinates.
+/// Volume and moments of a solid of density 1; lengths in the unit of the mesh, positions in world coordinates.
 struct MassMeasures {
-  double volume = 0;  ///< length³; negative if the triangles face inward
-  Vec3 center;        ///< of mass
-  /// Principal moments of inertia about the centre, ascending (length⁵), and their axes: orthonormal, right-handed.
-  /// Where moments are equal any axes do.
-  std::array<double, 3> moments{};
+  double volume = 0;                ///< length³; negative if the triangles face inward
+  Vec3 center;                      ///< of mass
+  std::array<double, 3> moments{};  ///< principal moments of inertia about the centre, ascending (length⁵)
+  /// Axes of these: orthonormal, right-handed. Where moments are equal any axes do.
   std::array<Vec3, 3> axes{};
 };
 
+/// Measures of a set of triangles.
 struct BodyMeasures {
-  std::size_t triangles = 0;
+  std::size_t triangles = 0;          ///< that were measured
   std::size_t boundary_edges = 0;     ///< of one triangle
   std::size_t open_edges = 0;         ///< that more triangles run through in one direction than in the other
   std::size_t nonmanifold_edges = 0;  ///< of three triangles or more
   double area = 0;                    ///< length²
   Vec3 surface_center;                ///< mean of the surface's points
-  Box3 box;
-  /// Only if closed: there is no inside otherwise.
+  Box3 box;                           ///< around the triangles
+  /// Volume and moments. Only if closed: there is no inside otherwise.
   std::optional<MassMeasures> mass;
 
   /// Every edge is run through as often in one direction as in the other: then the volume does not depend on where it
@@ -57,11 +57,12 @@ struct BodyMeasures {
   bool misplaced() const { return mass && surrounding != (mass->volume < 0 ? 1 : 0); }
 };
 
+/// Measures of a solid, as a whole and by components.
 struct SolidMeasures {
-  BodyMeasures whole;
+  BodyMeasures whole;                    ///< all triangles together
   std::vector<BodyMeasures> components;  ///< sets of triangles that share vertices, largest area first
   MeshTopology topology;                 ///< of the whole
-  /// Of least volume that was found: not larger than the upright one, nor than that along the principal axes.
+  /// The box of least volume that was found: not larger than the upright one, nor than that along the principal axes.
   OrientedBox smallest_box;
   /// Triangles with a corner that is not finite or missing, or with two corners that are one.
   std::size_t left_out = 0;
@@ -72,19 +73,21 @@ struct SolidMeasures {
 /// The points x with ⟨normal, x⟩ = offset, and a frame (u, v, normal), right-handed and orthonormal. The coordinates of
 /// x within the plane are (⟨u, x⟩, ⟨v, x⟩): for z = c these are x and y, for x = c y and z, for y = c z and x.
 struct CutPlane {
-  Vec3 normal{0, 0, 1};
-  double offset = 0;
-  Vec3 u{1, 0, 0}, v{0, 1, 0};
+  Vec3 normal{0, 0, 1};         ///< unit
+  double offset = 0;            ///< distance from 0, along the normal (length)
+  Vec3 u{1, 0, 0}, v{0, 1, 0};  ///< unit vector along that coordinate within the plane
 
+  /// Signed distance of x from the plane: positive on the side that the normal points to.
   double height(const Vec3& x) const { return dot(normal, x) - offset; }
+  /// The point with coordinates (a, b) within the plane.
   Vec3 at(double a, double b) const { return u * a + v * b + normal * offset; }
 };
 
-/// ⟨normal, x⟩ = offset for a normal of any length (both are divided by it). Throws ArgumentError unless all is finite
-/// and the normal has a direction.
+/// The plane ⟨normal, x⟩ = offset for a normal of any length (both are divided by it). Throws ArgumentError unless all
+/// is finite and the normal has a direction.
 SANSMESH_API CutPlane cut_plane(const Vec3& normal, double offset);
 
-/// x, y or z (axis 0, 1 or 2) = value.
+/// The plane x, y or z (axis 0, 1 or 2) = value.
 SANSMESH_API CutPlane axis_plane(int axis, double value);
 
 /// `count` planes across an axis at start, start + step, … Throws ArgumentError if count < 1 or > 100000, the step is
@@ -97,82 +100,94 @@ SANSMESH_API std::vector<CutPlane> spread_planes(const Box3& box, int axis, int 
 /// Three planes, x, y and z = c, through the middle of the box.
 SANSMESH_API std::vector<CutPlane> middle_planes(const Box3& box);
 
-/// "z=0.5", or "nx,ny,nz,d" for ⟨n, x⟩ = d. Throws ArgumentError that quotes the text.
+/// Reads a plane: "z=0.5", or "nx,ny,nz,d" for ⟨n, x⟩ = d. Throws ArgumentError that quotes the text.
 SANSMESH_API CutPlane parse_plane(const std::string& text);
 
-/// As options of schemas (sansmesh/option.h): as parse_plane reads it, to the last digit.
+/// A plane as parse_plane reads it, to the last digit: its words in schemas (sansmesh/option.h).
 SANSMESH_API std::string text_of_option(const CutPlane& plane);
 
+/// The same way back, by parse_plane.
 inline void option_of_text(std::string_view text, CutPlane& plane) { plane = parse_plane(std::string(text)); }
 
-/// "z = 0.5", or "0.6 x + 0.8 y = 1".
+/// A plane as its equation, for people to read: "z = 0.5", or "0.6 x + 0.8 y = 1".
 SANSMESH_API std::string equation(const CutPlane& plane);
 
-/// A polyline. Seen against the plane's normal (u to the right, v up) the solid lies to the left of its direction:
-/// outer boundaries run counter-clockwise, holes clockwise.
+/// One curve of a cross-section: a polyline. Seen against the plane's normal (u to the right, v up) the solid lies to
+/// the left of its direction: outer boundaries run counter-clockwise, holes clockwise.
 struct SectionCurve {
   std::vector<Vec3> points;                  ///< in space; the first is not repeated at the end of a closed curve
   std::vector<std::array<double, 2>> plane;  ///< the same in the plane's coordinates (u, v)
-  bool closed = false;
-  double length = 0;
+  bool closed = false;                       ///< the last point is joined to the first
+  double length = 0;                         ///< of the curve
   double area = 0;  ///< enclosed, with the sign of the direction: negative for holes; 0 if open
 };
 
+/// Cross-section of a surface with a plane.
 struct SANSMESH_API Section {
-  CutPlane plane;
+  CutPlane plane;                    ///< that cuts
   std::vector<SectionCurve> curves;  ///< open ones first
-  double length = 0;
-  /// Sum over the closed curves: holes are subtracted. Negative if the surface faces inward.
+  double length = 0;                 ///< of all curves together
+  /// Enclosed area (length²): sum over the closed curves: holes are subtracted. Negative if the surface faces inward.
   double area = 0;
   bool closed() const;  ///< whether every curve is
 };
 
-/// Lengths in the unit of the input. What is absent follows from the data.
+/// What a map of distances measures and shows. Lengths in the unit of the input. What is absent follows from the data.
 struct SANSMESH_API DistanceMapOptions {
   /// Places farther off than this belong to something else and are left out (> 0). Default: a tenth of the diagonal of
   /// the reference's box.
   std::optional<double> max_distance = {};
-  std::optional<double> tolerance = {};  ///< the statistics tell which share keeps within it (>= 0)
+  std::optional<double> within = {};  ///< length: the statistics tell which share keeps within it (>= 0)
   /// Half of the range of the histogram and of the colours (> 0). Default: what 99 % of the area stays within, rounded
-  /// up to two digits, but at least kSmallestRange.
+  /// up to two digits, but at least 1e-6 of the diagonal of the reference's box.
   std::optional<double> color_range = {};
   bool skip_border = false;  ///< leave out places whose closest point lies on the border of an open reference
   bool reversed = false;     ///< the map lies on the reference, distances are to the part, with their sign reversed
 
   static const OptionSchema& schema();  ///< a row a field
-  /// Throws ArgumentError saying which.
+  /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// Over what was measured. On a mesh every vertex weighs as much as a third of the area of its triangles, so that dense
-/// places count no more than others; points all weigh the same. NaN where nothing was measured.
+/// Statistics of distances, over what was measured. Lengths in the unit of the input. On a mesh every vertex weighs as
+/// much as a third of the area of its triangles, so that dense places count no more than others; points all weigh the
+/// same. NaN where nothing was measured.
 struct DistanceStatistics {
-  double mean = 0, mean_absolute = 0, rms = 0, deviation = 0;  ///< deviation: from the mean
-  double p05 = 0, median = 0, p95 = 0;                         ///< of the signed distance
-  double p95_absolute = 0;
-  double lowest = 0, highest = 0;          ///< over all that was measured, whatever its weight
-  Vec3 lowest_at, highest_at;              ///< on the mapped surface, world coordinates
-  std::optional<double> within_tolerance;  ///< share, 0..1
-  double area = 0;                         ///< that was measured; of points: their number
-  /// Share of the weight in bins of equal width over −range..range (0..range without sides), and what lies beyond.
+  double mean = 0;                         ///< of the signed distance
+  double mean_absolute = 0;                ///< mean of its absolute value
+  double rms = 0;                          ///< root mean square
+  double deviation = 0;                    ///< standard deviation from the mean
+  double p05 = 0;                          ///< 5 % quantile of the signed distance
+  double median = 0;                       ///< of the signed distance
+  double p95 = 0;                          ///< 95 % quantile of the signed distance
+  double p95_absolute = 0;                 ///< 95 % quantile of its absolute value
+  double lowest = 0;                       ///< least signed distance of all that was measured, whatever its weight
+  double highest = 0;                      ///< largest signed distance of all that was measured, whatever its weight
+  Vec3 lowest_at;                          ///< where that is, on the mapped surface (world coordinates)
+  Vec3 highest_at;                         ///< where that is, on the mapped surface (world coordinates)
+  std::optional<double> within_tolerance;  ///< share of the weight within ±tolerance, 0..1; nothing without one
+  double area = 0;                         ///< that was measured (length²); of points: their number
+  /// Share of the weight in kHistogramBins bins of equal width over −range..range (0..range without sides).
   std::vector<double> histogram;
-  double below_range = 0, above_range = 0;
-  double range = 0;
+  double below_range = 0;       ///< share of the weight below −range
+  double above_range = 0;       ///< share of the weight above range
+  double range = 0;             ///< half of the range of the histogram and of the colours (length, > 0)
   bool smallest_range = false;  ///< it is the smallest, since nearly everything lies nearer
 };
 
+/// Distances of the vertices of one surface from another one. Lengths in the unit of the input.
 struct DistanceMap {
-  std::vector<float> distance;  ///< of every vertex; positive outside; NaN where it was left out
-  bool has_sides = true;        ///< false: only absolute values are known
-  double max_distance = 0;      ///< as used
-  std::size_t measured = 0;     ///< vertices with a distance
-  std::size_t beyond = 0;       ///< left out: farther than max_distance
-  std::size_t not_found = 0;    ///< left out: no surface could be found from there (MeasuredPoint::lost)
-  std::size_t at_border = 0;    ///< whose closest point lies on a border; left out only with skip_border
-  std::size_t not_finite = 0;   ///< left out: vertices that are not finite, or that no triangle uses
-  DistanceStatistics statistics;
+  std::vector<float> distance;    ///< of every vertex; positive outside; NaN where it was left out
+  bool has_sides = true;          ///< false: only absolute values are known
+  double max_distance = 0;        ///< as used
+  std::size_t measured = 0;       ///< vertices with a distance
+  std::size_t beyond = 0;         ///< left out: farther than max_distance
+  std::size_t not_found = 0;      ///< left out: no surface could be found from there
+  std::size_t at_border = 0;      ///< whose closest point lies on a border; left out only with skip_border
+  std::size_t not_finite = 0;     ///< left out: vertices that are not finite, or that no triangle uses
+  DistanceStatistics statistics;  ///< of the distances
 };
 
-inline constexpr std::size_t kHistogramBins = 41;  ///< odd: one bin lies around 0
+inline constexpr std::size_t kHistogramBins = 41;  ///< of DistanceStatistics::histogram; odd: one bin lies around 0
 
 }  // namespace sansmesh::inline v1

@@ -19,14 +19,16 @@ struct SolidParts;
 /// A solid with all that it needs. Cheap to copy: what it holds is shared and never changes.
 class SANSMESH_API SolidModel {
  public:
+  /// For the library's own sources: programs get solids from read_solid.
   explicit SolidModel(SolidParts parts);
 
+  /// Text that the solid was made from.
   const std::string& expression() const;
-  /// That the expression names.
+  /// Files that the expression names.
   const std::vector<std::string>& files() const;
-  /// Around it, in the coordinates of the input; infinite where it has no end.
+  /// Box around it, in the coordinates of the input; infinite where it has no end.
   Box3 bounds() const;
-  /// "read", "volume", "reconstruction": of files; "mesh_solid": what was done to a mesh.
+  /// Notes of making it. "read", "volume", "reconstruction": of files; "mesh_solid": what was done to a mesh.
   const std::vector<Note>& notes() const;
   /// Parts of its mesh that are kept where nobody says: functions of scans may have small sheets far from their
   /// surface.
@@ -41,19 +43,22 @@ class SANSMESH_API SolidModel {
   std::shared_ptr<const SolidParts> parts_;
 };
 
-/// Function files, isosurfaces (data.vtu[Temp=300]) and what parse_csg knows. Throws FileError, ArgumentError,
-/// DataError that begins with the name of a volume.
+/// The solid of an expression (grammar: docs/methods/csg.md) of primitives, meshes, function files and isosurfaces
+/// (data.vtu[Temp=300]). Throws ArgumentError "expression at N: …" for text that does not follow the grammar, N
+/// counting characters from 1; FileError; DataError that begins with the name of a volume; Cancelled.
 SANSMESH_API SolidModel read_solid(const std::string& expression, Progress& progress);
 
+/// Mesh of a solid.
 struct CsgResult {
-  TriangleMesh mesh;
-  CsgMeshReport report;
+  TriangleMesh mesh;     ///< in the coordinates of the expression
+  CsgMeshReport report;  ///< what became of it
   /// "open": functions whose surface bounds no solid; "mesh": what there is to say of the mesh.
   std::vector<Note> notes;
 };
 
-/// By mesh_csg; of solids with functions parts too small to count are left out by default, of others none. Throws
-/// ArgumentError for bad options, and for solids without an end; DataError where there is no surface; Cancelled.
+/// The boundary of the solid as a mesh with exact creases. Of solids with functions parts too small to count are left
+/// out by default, of others none. Throws ArgumentError for bad options, and for solids without an end; DataError where
+/// there is no surface; Cancelled.
 SANSMESH_API CsgResult mesh_of_solid(const SolidModel& solid, const CsgMeshOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

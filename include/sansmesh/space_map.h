@@ -6,8 +6,8 @@
 
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
+#include "sansmesh/query.h"
 #include "sansmesh/vec.h"
-#include "sansmesh/vector_field.h"
 
 namespace sansmesh::inline v1 {
 
@@ -25,6 +25,7 @@ struct MapAnswers {
 /// maker says which.
 class SANSMESH_API SpaceMap {
  public:
+  /// Owners may hold it as a SpaceMap.
   virtual ~SpaceMap() = default;
 
   /// All that is wanted at all of x. Where the map is not defined (outside of tetrahedra) positions are NaN. Each
@@ -32,6 +33,10 @@ class SANSMESH_API SpaceMap {
   /// several threads. The map itself runs in parallel, as ScalarField does: whoever asks hands over all points that it
   /// has.
   virtual void map(std::span<const Vec3> x, const MapAnswers& wanted) const = 0;
+
+  /// The same by a call of the shape that all fields have: values are positions, and `inside` is where the map is
+  /// defined and no gap. Throws ArgumentError where sizes do not agree.
+  void query(const Places& at, const VectorAnswers& wanted) const;
 
   /// Whether there may be gaps anywhere: if not, nobody needs to ask for them.
   virtual bool has_gaps() const { return false; }

@@ -18,20 +18,22 @@ struct FittedFunction;
 /// copy: what it holds is shared and never changes. Made by fit_function and read_function, edited by edit.
 class SANSMESH_API SurfaceFunction {
  public:
+  /// For the library's own sources: programs get functions from fit_function, read_function and edit.
   explicit SurfaceFunction(FittedFunction fitted);
 
   /// Values and gradients anywhere, in the coordinates of the input: about the distance to the surface, negative
-  /// inside. Owns what it needs.
+  /// inside. Owns what it needs, and may outlive this object.
   std::shared_ptr<const ScalarField> field() const;
   /// Around its samples, in the coordinates of the input; the field's own where samples were not kept.
   Box3 bounds() const;
-  /// Samples that were kept; 0: it can be meshed and evaluated, but no part of it fitted again.
+  /// Number of samples that were kept; 0: it can be meshed and evaluated, but no part of it fitted again.
   std::size_t samples() const;
   /// Edits that made it, one line each.
   const std::vector<std::string>& history() const;
 
-  /// Parts that only the library's own sources know.
+  /// Parts that only the library's own sources know; valid as long as this object.
   const FittedFunction& fitted() const { return *fitted_; }
+  /// The same, shared: for the library's own sources.
   const std::shared_ptr<const FittedFunction>& shared() const { return fitted_; }
 
  private:

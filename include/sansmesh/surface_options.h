@@ -20,60 +20,80 @@ enum class SurfaceWeights {
   gaussian  ///< exp(−d²/h²), cut off at √12 h: one h for the whole cloud, and all samples alike (the sources')
 };
 
-/// The method's own; or, adamson: the direction of least weighted covariance about x in place of the mean normal
-/// (the source's); amls: N(x) = Σ n_i φ_i(x), iterated as the values are, as a NormalField beside the gradient.
-enum class SurfaceNormal { standard, covariance, iterated };
+/// Normals of mean planes, or beside the gradient.
+enum class SurfaceNormal {
+  standard,    ///< the method's own
+  covariance,  ///< adamson: the direction of least weighted covariance about x, not the mean normal (the source's)
+  iterated     ///< amls: N(x) = Σ n_i φ_i(x), iterated as the values are, beside the gradient
+};
 
-/// curvature: what to do about samples whose directional curvature exceeds λ: soft, they count less (Lange & Polthier
-/// 2005, g = λ²/(λ² + 10(|κ| − λ)²)); hard, not at all; none.
-enum class SurfaceDiffusion { none, soft, hard };
+/// curvature: what to do about samples whose directional curvature κ exceeds λ.
+enum class SurfaceDiffusion {
+  none,  ///< they count like all others
+  soft,  ///< they count less (Lange & Polthier 2005, g = λ²/(λ² + 10(|κ| − λ)²))
+  hard   ///< they do not count
+};
 
-/// curvature: how a foot on the mean plane gets onto the surface: by the offset of the fit; or, as in the source, by
-/// steps x ← x + Δt (1/Ω) Σ ω_i g_i (x_i − x) to the fixed point, along the normal alone or freely, and then the fit
-/// without an offset. g_i are those of `diffusion`.
-enum class SurfaceFlow { fit, normal, free };
+/// curvature: how a foot on the mean plane gets onto the surface. The source's steps are x ← x + Δt (1/Ω) Σ ω_i g_i
+/// (x_i − x), with g_i of SurfaceDiffusion, to the fixed point; the fit that follows has no offset.
+enum class SurfaceFlow {
+  fit,     ///< by the offset of the fit
+  normal,  ///< by the source's steps, along the normal alone
+  free     ///< by the source's steps, in any direction
+};
 
-/// levin: how the plane is found: weighted planes about the foot of the last one, six times; or the least of
-/// Σ ⟨n, x_i − r − t n⟩² w(‖x_i − r − t n‖) over n and t, to convergence.
-enum class SurfacePlane { iterated, nonlinear };
+/// levin: how the plane under the polynomial is found.
+enum class SurfacePlane {
+  iterated,  ///< weighted planes about the foot of the last one, six times
+  nonlinear  ///< the least of Σ ⟨n, x_i − r − t n⟩² w(‖x_i − r − t n‖) over n and t, to convergence
+};
 
-/// levin, alexa: the polynomial over the plane, of degree 1 to 4 or [x², y², xy, 1]; lower where the samples do not
-/// determine it.
-enum class SurfacePolynomial { linear = 1, quadratic, cubic, quartic, incomplete };
+/// levin, alexa: the polynomial over the plane; of lower degree where the samples do not determine it.
+enum class SurfacePolynomial {
+  linear = 1,  ///< degree 1
+  quadratic,   ///< degree 2
+  cubic,       ///< degree 3
+  quartic,     ///< degree 4
+  incomplete   ///< x², y², xy and 1
+};
 
-/// The bilateral weights below; or the source's: Laguerre's polynomial of the combined argument
-/// s_i = ε ‖x − x_i‖²/h² + ⟨n, x_i − x⟩²/(2σ²), (35/8 − 7/2 s + ½ s²) e^{−s}, with one h for the cloud and nothing
-/// else. For evenly spread samples: its negative values make much of what chance leaves out.
-enum class SharpFormula { bilateral, laguerre };
+/// Weights of normals that turn sharply at edges and corners (docs/methods/sharp-features.md).
+enum class SharpFormula {
+  bilateral,  ///< by distance and by how normals differ
+  /// The source's: Laguerre's polynomial of the combined argument s_i = ε ‖x − x_i‖²/h² + ⟨n, x_i − x⟩²/(2σ²),
+  /// (35/8 − 7/2 s + ½ s²) e^{−s}, with one h for the cloud and nothing else. For evenly spread samples: its negative
+  /// values make much of what chance leaves out.
+  laguerre
+};
 
 /// The surface that most begin with, and that function files keep: "partition".
 inline constexpr std::string_view kPartitionSurface = "partition";
 
-/// All optional values follow from the data where absent. Lengths are in the unit of the input. A method uses some of
-/// them only (SurfaceMethod::uses).
+/// Which surface of samples, and its options. All optional values follow from the data where absent. Lengths are in the
+/// unit of the input. A method uses some of them only; validate() says which.
 struct SANSMESH_API SurfaceOptions {
-  using Normal = SurfaceNormal;
-  using Plane = SurfacePlane;
-  using Polynomial = SurfacePolynomial;
-  using Flow = SurfaceFlow;
-  using Diffusion = SurfaceDiffusion;
+  using Normal = SurfaceNormal;          ///< short for it
+  using Plane = SurfacePlane;            ///< short for it
+  using Polynomial = SurfacePolynomial;  ///< short for it
+  using Flow = SurfaceFlow;              ///< short for it
+  using Diffusion = SurfaceDiffusion;    ///< short for it
 
-  std::string method = "apss";             ///< a name of SurfaceMethod::registry()
-  std::optional<SharpFormula> sharp = {};  ///< normals turn sharply at edges and corners, by these weights
-  std::optional<double> smoothing = {};    ///< width of the weights over the local spacing, 0.5..20
-  std::optional<double> bandwidth = {};    ///< the same as one length for the whole cloud
-  SurfaceWeights weights = SurfaceWeights::compact;
-  std::optional<int> order = {};       ///< of the approximation: 2, 4 or 6
-  std::optional<int> iterations = {};  ///< of the approximation, 0..100: 0 smooths most
-  std::optional<double> epsilon = {};  ///< shape parameter of the approximation, 0.05..20
-  Normal normal = Normal::standard;    ///< of mean planes, or beside the gradient
-  Plane plane = Plane::iterated;       ///< under the polynomials
-  Polynomial polynomial = Polynomial::quadratic;
-  Flow flow = Flow::fit;                           ///< how points get onto the surface
-  Diffusion diffusion = Diffusion::none;           ///< whether samples off the surface count less
-  std::optional<double> diffusion_threshold = {};  ///< of diffusion: λ over the inverse of the width, > 0; default 1
-  std::optional<int> tau = {};                     ///< exponent of the M-like weights, 1..3; default 2
-  bool separate_sheets = true;                     ///< samples that look the other way than those nearby do not count
+  std::string method = "apss";                       ///< name of the method; ArgumentError lists them all for others
+  std::optional<SharpFormula> sharp = {};            ///< normals turn sharply at edges and corners, by these weights
+  std::optional<double> smoothing = {};              ///< width of the weights over the local spacing, 0.5..20
+  std::optional<double> bandwidth = {};              ///< the same as one length for the whole cloud
+  SurfaceWeights weights = SurfaceWeights::compact;  ///< of samples by their distance
+  std::optional<int> order = {};                     ///< of the approximation: 2, 4 or 6
+  std::optional<int> iterations = {};                ///< of the approximation, 0..100: 0 smooths most
+  std::optional<double> epsilon = {};                ///< shape parameter of the approximation, 0.05..20
+  Normal normal = Normal::standard;                  ///< of mean planes, or beside the gradient
+  Plane reference_plane = Plane::iterated;           ///< under the polynomials
+  Polynomial polynomial = Polynomial::quadratic;     ///< over the plane
+  Flow flow = Flow::fit;                             ///< how points get onto the surface
+  Diffusion diffusion = Diffusion::none;             ///< whether samples off the surface count less
+  std::optional<double> diffusion_threshold = {};    ///< of diffusion: λ over the inverse of the width, > 0; default 1
+  std::optional<int> tau = {};                       ///< exponent of the M-like weights, 1..3; default 2
+  bool separate_sheets = true;                       ///< samples that look the other way than those nearby do not count
   std::optional<double> error = {};  ///< accepted distance of samples from the shape of their cell (length)
   std::optional<int> depth = {};     ///< deepest level of the octree, 2..14
   bool smooth = false;               ///< no edges and corners
@@ -84,28 +104,39 @@ struct SANSMESH_API SurfaceOptions {
 };
 
 /// Measures of curvature that colours show.
-enum class CurvatureQuantity { mean, gaussian, k1, k2 };
-
-/// The surface around one place. Curvatures in 1 / length, *positive where the surface is convex* (bends away from the
-/// outward normal): +1/r on a sphere of radius r. (The quadratic form of a FootPoint has the opposite sign.)
-struct PrincipalCurvatures {
-  float k1 = 0, k2 = 0;          ///< k1 >= k2
-  Vec3f direction1, direction2;  ///< unit, tangential, orthogonal, each up to its sign; to k1 and k2
-  Vec3f normal;                  ///< unit, that of the fitted surface: as given unless `refit_normal`
-  float offset = 0;              ///< how far along the given normal the fitted surface is; 0 unless `offset`
-  bool defined = false;          ///< false: too few or degenerate neighbours, or no normal; then all is zero
+enum class CurvatureQuantity {
+  mean,      ///< (k1 + k2) / 2 (1 / length)
+  gaussian,  ///< k1 k2 (1 / length²)
+  k1,        ///< larger principal curvature (1 / length)
+  k2         ///< smaller principal curvature (1 / length)
 };
 
+/// The surface around one place. Curvatures in 1 / length, *positive where the surface is convex* (bends away from the
+/// outward normal): +1/r on a sphere of radius r.
+struct PrincipalCurvatures {
+  float k1 = 0;          ///< the larger one
+  float k2 = 0;          ///< the smaller one
+  Vec3f direction1;      ///< of k1: unit, tangential, up to its sign
+  Vec3f direction2;      ///< of k2: unit, tangential, orthogonal to direction1, up to its sign
+  Vec3f normal;          ///< unit, that of the fitted surface: as given unless `refit_normal`
+  float offset = 0;      ///< how far along the given normal the fitted surface is; 0 unless `offset`
+  bool defined = false;  ///< false: too few or degenerate neighbours, or no normal; then all is zero
+};
+
+/// (k1 + k2) / 2 (1 / length).
 inline float mean_curvature(const PrincipalCurvatures& c) { return 0.5f * (c.k1 + c.k2); }
 
+/// k1 k2 (1 / length²).
 inline float gaussian_curvature(const PrincipalCurvatures& c) { return c.k1 * c.k2; }
 
-/// √((k1² + k2²)/2): how much the surface is curved at all (Koenderink & van Doorn 1992).
+/// √((k1² + k2²)/2) (1 / length): how much the surface is curved at all (Koenderink & van Doorn 1992).
 SANSMESH_API float curvedness(const PrincipalCurvatures& c);
 
-/// In [−1, 1]: −1 a cup, −½ a rut, 0 a saddle, ½ a ridge, 1 a cap (same source, with convex as positive); 0 where flat.
+/// Shape of the surface whatever its size, in [−1, 1]: −1 a cup, −½ a rut, 0 a saddle, ½ a ridge, 1 a cap (same source,
+/// with convex as positive); 0 where flat.
 SANSMESH_API float shape_index(const PrincipalCurvatures& c);
 
+/// How curvatures are estimated from neighbours.
 struct SANSMESH_API CurvatureOptions {
   /// Weights of the directional curvatures of neighbours at distance r.
   enum class Weights {
@@ -113,12 +144,12 @@ struct SANSMESH_API CurvatureOptions {
     gaussian,  ///< exp(−r²/h²), to compare with
     uniform    ///< all alike (Huang & Menq 2001), to compare with
   };
-  Weights weights = Weights::m_like;
-  int tau = 2;  ///< 1..4
+  Weights weights = Weights::m_like;  ///< of the neighbours
+  int tau = 2;                        ///< exponent of the M-like weights, 1..4
   /// h above (length, > 0): neighbours are the samples within 1.6 h. Default: the distance of the farthest of
   /// `neighbours` / 1.6, so that neighbourhoods follow the density.
-  std::optional<double> radius = {};
-  /// Samples in a neighbourhood, 8..2000; default: `choose_curvature_neighbours`. Not used with `radius`.
+  std::optional<double> bandwidth = {};
+  /// Samples in a neighbourhood, 8..2000; default: from the noise and the spacing. Not used with `bandwidth`.
   std::optional<int> neighbours = {};
   /// Let the fitted surface pass at a distance from the place, which may itself be noisy.
   bool offset = true;
@@ -132,18 +163,19 @@ struct SANSMESH_API CurvatureOptions {
   void validate() const;
 };
 
-/// In the order of the enumerators.
+/// Words for CurvatureQuantity, in the order of the enumerators.
 inline constexpr std::string_view kCurvatureWords[] = {"mean", "gaussian", "k1", "k2"};
 
-/// "mean", "gaussian", …
+/// The word for a quantity: "mean", "gaussian", …
 SANSMESH_API const char* quantity_word(CurvatureQuantity quantity);
 
-/// Tells whether a word names one of them.
+/// Whether a word names a CurvatureQuantity.
 SANSMESH_API bool is_curvature(std::string_view word);
 
-/// Throws ArgumentError for a word that is none of them.
+/// The CurvatureQuantity that a word names. Throws ArgumentError for a word that is none of them.
 SANSMESH_API CurvatureQuantity curvature_quantity(std::string_view word);
 
+/// Consolidation by a locally optimal projection (docs/methods/consolidation.md): points without normals or a surface.
 struct SANSMESH_API LopOptions {
   /// Points of the result, at least 1. Default: half as many as there are samples. With more than there are samples the
   /// result lies on the surface, but is no more even than random samples.
@@ -160,17 +192,18 @@ struct SANSMESH_API LopOptions {
   /// Give the result normals: estimated from the new points, with the signs of those of the nearest samples. Without
   /// normals in the cloud there are none.
   bool normals = true;
-  /// Where the points start.
+  /// Of the choice of samples at which the points start: the same seed gives the same points.
   std::uint64_t seed = 1;
 
-  /// Radius and repulsion.
+  /// All but the number of points, the normals and the seed.
   static const OptionSchema& schema();  ///< a row a field
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
+/// How points move onto a surface.
 struct SANSMESH_API ProjectToSurface {
-  int steps = 10;           ///< at most, 1..1000
+  int most_steps = 10;      ///< at most, 1..1000
   double tolerance = 1e-3;  ///< a step shorter than this share of the samples' spacing is the last, 1e-6..1
 
   static const OptionSchema& schema();  ///< a row a field
@@ -178,10 +211,13 @@ struct SANSMESH_API ProjectToSurface {
   void validate() const;
 };
 
+/// How far points were moved onto a surface. Lengths in the unit of the input.
 struct SurfaceProjection {
-  std::size_t projected = 0;
-  std::size_t left_out = 0;                              ///< outside of the domain of definition, or too far from it
-  double mean_move = 0, rms_move = 0, largest_move = 0;  ///< distances (length, unit of the input)
+  std::size_t projected = 0;  ///< points on the surface now
+  std::size_t left_out = 0;   ///< points outside of the domain of definition, or too far from it
+  double mean_move = 0;       ///< distance, mean
+  double rms_move = 0;        ///< distance, root mean square
+  double largest_move = 0;    ///< distance, largest
 };
 
 /// A surface that was made of samples.

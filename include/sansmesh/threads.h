@@ -21,21 +21,24 @@ namespace sansmesh::inline v1 {
 /// take part; a scope of more threads than there are cores lifts oneTBB's own limit to its size as long as it lives.
 class SANSMESH_API ThreadScope {
  public:
-  static constexpr int kMost = 1024;
+  static constexpr int kMost = 1024;  ///< most threads that a scope may ask for
 
   /// 1 to kMost threads; 0 means all cores that the process may use. Throws ArgumentError for other numbers.
   explicit ThreadScope(int threads);
+  /// Ends the scope, on the thread that made it.
   ~ThreadScope();
+  /// Belongs to its thread: not copied.
   ThreadScope(const ThreadScope&) = delete;
+  /// Not assigned.
   ThreadScope& operator=(const ThreadScope&) = delete;
 
-  struct Team;
+  struct Team;  ///< the arena; for the library's own sources
 
  private:
   std::unique_ptr<Team> team_;
 };
 
-/// How many threads a loop that starts here may use.
+/// How many threads a loop that starts here may use, the calling one included: at least 1.
 SANSMESH_API int thread_count();
 
 }  // namespace sansmesh::inline v1

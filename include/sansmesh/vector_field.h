@@ -3,38 +3,40 @@
 // knows the other.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
 
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
+#include "sansmesh/query.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
 
-/// Derivatives of a vector v by the position: [k] = ∂v/∂x_k, per time if v is a velocity.
-using Jacobian = std::array<Vec3, 3>;
-
-/// ∇ · v.
+/// ∇ · v of the derivatives of v (value per length).
 inline double divergence(const Jacobian& j) { return j[0].x + j[1].y + j[2].z; }
-/// ∇ × v; of a velocity the vorticity: twice the angular velocity.
+/// ∇ × v of the derivatives of v; of a velocity the vorticity: twice the angular velocity.
 inline Vec3 curl(const Jacobian& j) { return {j[1].z - j[2].y, j[2].x - j[0].z, j[0].y - j[1].x}; }
 
 /// First and last moment, both included, in the unit of time of the input.
 struct TimeRange {
+  /// First moment; by default there is none.
   double first = -std::numeric_limits<double>::infinity();
+  /// Last moment; by default there is none.
   double last = std::numeric_limits<double>::infinity();
 
+  /// Whether the moment t lies in it.
   bool contains(double t) const { return t >= first && t <= last; }
 };
 
+/// A vector, as a rule a velocity, on space and time. Several threads may ask one field at a time.
 class SANSMESH_API VectorField {
  public:
+  /// Owners may hold it as a VectorField.
   virtual ~VectorField() = default;
 
-  /// Outside it is not defined anywhere.
+  /// Box outside of which it is not defined anywhere.
   virtual Box3 bounds() const = 0;
 
   /// When it is defined. A steady field is the same at all times, and defined at all.
@@ -55,6 +57,9 @@ class SANSMESH_API VectorField {
   /// hands over all points that it has.
   virtual void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<Vec3> vectors,
                         std::span<std::uint8_t> inside, std::span<Jacobian> jacobian = {}) const = 0;
+
+  /// The same by a call of the shape that all fields have. Throws ArgumentError where sizes do not agree.
+  void query(const Places& at, const VectorAnswers& wanted) const;
 };
 
 }  // namespace sansmesh::inline v1

@@ -10,24 +10,22 @@
 
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
+#include "sansmesh/query.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
 
-/// What is wanted at a batch of points; spans that are empty are not wanted.
-struct VolumeAnswers {
-  std::span<double> values;         ///< components() a point
-  std::span<Vec3> gradients;        ///< components() a point: value per length
-  std::span<std::uint8_t> inside;   ///< one a point: 1 in the volume, else 0
-  std::span<std::uint8_t> degrees;  ///< one a point: degree of the polynomials that the answer is made of, 0 if of none
-};
+/// Values and gradients are components() a point; `inside` is the volume.
+using VolumeAnswers = ScalarAnswers;
 
+/// A quantity on a volume, of one or several components. Several threads may ask one field at a time.
 class SANSMESH_API VolumeField {
  public:
+  /// Owners may hold it as a VolumeField.
   virtual ~VolumeField() = default;
 
-  /// Of the volume: it lies in here.
+  /// Box that the volume lies in.
   virtual Box3 bounds() const = 0;
   /// Numbers a point: 1 of a scalar, 3 of a vector.
   virtual std::size_t components() const = 0;
@@ -38,6 +36,9 @@ class SANSMESH_API VolumeField {
   /// neighbouring slots go fastest. Sizes must agree. Safe from several threads. The field itself runs in parallel, as
   /// ScalarField does: whoever asks hands over all points that it has.
   virtual void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const = 0;
+
+  /// The same by a call of the shape that all fields have.
+  void query(const Places& at, const VolumeAnswers& wanted) const { evaluate(at.points, wanted); }
 
   /// The distance between neighbouring samples around each of x (length, > 0): finer than this nothing is known.
   virtual void spacing(std::span<const Vec3> x, std::span<double> found) const = 0;

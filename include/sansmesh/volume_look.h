@@ -104,12 +104,12 @@ struct SANSMESH_API VolumePictureOptions {
   /// A name of transfer_function_presets(); not beside `transfer`. Its opacities lie over the values of the field that
   /// gives the opacities.
   std::string preset = {};
-  double opacity_scale = 1;           ///< extinction is multiplied by this, 0..1000; 0: iso-surfaces and cut faces only
+  double opacity_factor = 1;          ///< extinction is multiplied by this, 0..1000; 0: iso-surfaces and cut faces only
   std::vector<IsoSurface> isos = {};  ///< of the field that gives the colours; at most 16
-  std::vector<VolumeCut> cuts = {};   ///< at most 16
+  std::vector<VolumeCut> clips = {};  ///< at most 16
   /// Cut faces show their values, except such as the transfer function leaves clear. Those of gaps in a deformed
   /// volume that is seen by its iso-surfaces only: what is not below the least of these.
-  bool cut_faces = true;
+  bool clip_faces = true;
   bool shading = true;  ///< light on the gradients; without, colours are those of the transfer function
   /// Length of steps in local distances of samples, 0.05..4; between two samples the value is a cubic.
   double step = 1;

@@ -25,8 +25,8 @@ struct SANSMESH_API VolumePicturesOptions {
   VolumePictureOptions look = {};  ///< of the volume
   std::string opacity_by = {};     ///< array that gives the opacities; the volume's own gives the colours
   bool grid = false;               ///< also the edges of the grid's cells where the volume ends
-  bool interactive = false;        ///< quick: one ray a pixel, long steps, from the field baked into bricks
-  double bake_error = kBakeError;  ///< of `interactive`: share of the range above which bricks are split
+  bool baked = false;              ///< quick: one ray a pixel, long steps, from the field baked into bricks
+  double bake_error = kBakeError;  ///< of `baked`: share of the range above which bricks are split
   bool bar = true;                 ///< the colour bar
   std::string unit = {};           ///< of the array, at the colour bar
   bool any_view = true;            ///< nobody chose the view: that of a single layer looks straight at it
@@ -42,7 +42,7 @@ class SANSMESH_API VolumePictures {
  public:
   /// The array that the volume was opened with, of vectors the length. `surfaces` stand in the same pictures. Throws
   /// ArgumentError for bad options and names of no array, DataError where there is nothing to draw, Cancelled.
-  VolumePictures(VolumeModel& volume, const VolumePicturesOptions& options, std::vector<PictureSurface> surfaces,
+  VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options, std::vector<PictureSurface> surfaces,
                  Progress& progress);
   ~VolumePictures();
   VolumePictures(VolumePictures&&) noexcept;  ///< moves
@@ -90,8 +90,8 @@ class SANSMESH_API SurfaceInVolumePictures {
  public:
   /// Shares the surface and what it needs of the volume. Throws ArgumentError for bad options and names of no array,
   /// DataError, Cancelled. Notes of the fields are added to `notes`.
-  SurfaceInVolumePictures(std::shared_ptr<const SurfaceInVolume> surface, VolumeModel& volume,
-                          const SurfaceInVolumeLook& look, Progress& progress, std::vector<Note>& notes);
+  SurfaceInVolumePictures(const SurfaceInVolume& surface, const VolumeModel& volume, const SurfaceInVolumeLook& look,
+                          Progress& progress, std::vector<Note>& notes);
   ~SurfaceInVolumePictures();
   SurfaceInVolumePictures(SurfaceInVolumePictures&&) noexcept;  ///< moves
 

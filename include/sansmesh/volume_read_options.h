@@ -18,12 +18,13 @@ namespace sansmesh::inline v1 {
 struct SANSMESH_API RawLayout {
   /// Numbers of points along the axes, at least 1 each; all 0: nobody said so, and nothing else means anything.
   std::array<std::size_t, 3> dims{};
-  NumberType type = NumberType::u8;
-  std::size_t components = 1;    ///< of each point, at least 1
-  Vec3 spacing{1, 1, 1};         ///< of the points (length), > 0
-  bool big_endian = false;       ///< byte order of the numbers
-  std::size_t header_bytes = 0;  ///< that come before them
+  NumberType type = NumberType::u8;  ///< of every number
+  std::size_t components = 1;        ///< of each point, at least 1
+  Vec3 spacing{1, 1, 1};             ///< of the points (length), > 0
+  bool big_endian = false;           ///< byte order of the numbers
+  std::size_t header_bytes = 0;      ///< that come before them
 
+  /// Whether somebody said how: `dims` are not all 0.
   bool given() const { return dims != std::array<std::size_t, 3>{}; }
   static const OptionSchema& schema();  ///< a row a field
 };
@@ -41,6 +42,7 @@ struct SANSMESH_API FillValueOptions {
   void validate() const;
 };
 
+/// How a file of a volume is read.
 struct SANSMESH_API VolumeReadOptions {
   RawLayout raw = {};          ///< read the file as that, whatever its name, if it is given
   std::size_t time_step = 0;   ///< of files that hold several, from 0; others have only that one

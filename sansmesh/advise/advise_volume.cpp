@@ -1,4 +1,4 @@
-#include "sansmesh/advise/advise_volume.h"
+#include "sansmesh/volume_advice.h"
 
 #include <fmt/core.h>
 

@@ -29,9 +29,15 @@ Descriptor::~Descriptor() {
   if (fd >= 0) ::close(fd);
 }
 
+std::string file_to_open(const std::string& name) {
+  for (const std::string stream : {"/dev/stdin", "/dev/stdout"})
+    if (name.starts_with(stream + ".")) return stream;
+  return name;
+}
+
 int open_to_read(const std::string& file) {
   // Without O_NONBLOCK a named pipe is not even open before somebody writes to it.
-  const int fd = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  const int fd = ::open(file_to_open(file).c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd >= 0) return fd;
   if (errno == ENOENT || errno == ENOTDIR) throw FileError(file, "no such file");
   if (errno == EACCES) throw FileError(file, "permission to read it is denied");

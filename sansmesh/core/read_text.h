@@ -13,6 +13,10 @@ std::string read_text(const std::string& file);
 
 namespace detail {
 
+/// The file that is opened under a name: /dev/stdin of "/dev/stdin.csv" and /dev/stdout of "/dev/stdout.ply", in which
+/// the ending says the format. Other names are their files'.
+std::string file_to_open(const std::string& name);
+
 /// Opens a file to read it, without waiting for the writer of a pipe. Throws FileError.
 int open_to_read(const std::string& file);
 

@@ -1,29 +1,16 @@
 // A volume with a reconstruction of one of its arrays that needs no fit any more: what files of fitted volumes hold.
 #pragma once
 
-#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "sansmesh/attribute_table.h"
 #include "sansmesh/sampled_volume.h"
-#include "sansmesh/volume/assemble_volume.h"
 #include "sansmesh/volume/reconstruction_coefficients.h"
-#include "sansmesh/volume/reconstruction_options.h"
+#include "sansmesh/volume_options.h"
 
 namespace sansmesh::inline v1 {
-
-/// An array of a dataset. One name may stand for two: one of points and one of cells.
-struct DatasetArray {
-  std::string name;
-  Association of = Association::points;
-  NumberType type = NumberType::f32;
-  std::size_t components = 1;
-  std::vector<double> least, most;  ///< of each component, over what is finite and not hidden; NaN: nothing is
-  std::size_t not_finite = 0;       ///< numbers
-};
 
 struct FittedVolume {
   std::shared_ptr<const SampledVolume> volume;

@@ -147,7 +147,7 @@ Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_
   std::vector<Vec3> some;
   for (std::size_t i = 0; i < places.size(); i += stride) some.push_back(place_.to_input(places[i]));
   std::vector<Vec3> gradients(some.size());
-  field_->evaluate(some, {{}, gradients, {}, {}});
+  field_->evaluate(some, {{}, gradients});
   std::vector<double> slopes;
   for (const Vec3& g : gradients)
     if (const double slope = long_norm(g); slope > 0) slopes.push_back(slope);
@@ -169,7 +169,7 @@ void Isosurface::evaluate(std::span<const Vec3> x, std::span<double> values, std
 
 void Isosurface::evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                                     std::span<std::uint8_t> inside) const {
-  field_->evaluate(in_input(x), {values, gradients, inside, {}});
+  field_->evaluate(in_input(x), {values, gradients, inside});
   for (double& v : values) v = (value_ - v) / slope_;
   const double scale = -place_.unit / slope_;
   for (Vec3& g : gradients) g *= scale;

@@ -14,8 +14,6 @@
 #include "sansmesh/box.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/dataset/value_ranges.h"
-#include "sansmesh/mesh_options.h"
-#include "sansmesh/option.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/sampled_volume.h"
@@ -24,6 +22,7 @@
 #include "sansmesh/triangulation/block_tree.h"
 #include "sansmesh/volume/volume_locator.h"
 #include "sansmesh/volume_field.h"
+#include "sansmesh/volume_options.h"
 
 namespace sansmesh::inline v1 {
 
@@ -86,31 +85,6 @@ class Isosurface : public ScalarField {
   double value_, slope_ = 1;
   VolumeDomain domain_;
   ValueRanges ranges_;
-};
-
-struct IsosurfaceOptions {
-  /// Edge of the smallest blocks (length). Default: the local spacing of the samples.
-  std::optional<double> cell = {};
-  std::optional<double> mesh_error = {};      ///< as in MeshOptions
-  std::optional<std::size_t> triangles = {};  ///< as in MeshOptions
-  ComponentChoice components = {ComponentChoice::Kind::all, 1};
-  bool closed = false;  ///< the boundary of {f > value}: closed by faces of the volume's boundary
-  bool enhance = true;  ///< as in MeshOptions
-
-  static const OptionSchema& schema();
-  /// Throws ArgumentError naming the field.
-  void validate() const;
-};
-
-struct IsosurfaceReport {
-  std::size_t blocks = 0;
-  double cell = 0;        ///< edge of the smallest blocks (length)
-  double mesh_error = 0;  ///< distance between mesh and surface aimed at (length)
-  std::size_t components = 0;
-  bool closed = false;
-  double area = 0;
-  std::optional<double> volume;  ///< enclosed, where closed
-  std::vector<std::string> warnings;
 };
 
 /// The surface as a mesh in the input's coordinates: it ends at the volume's boundary unless it is to be closed. Vertex

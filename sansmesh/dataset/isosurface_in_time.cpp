@@ -59,7 +59,7 @@ IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double val
     for (std::size_t i = 0; i < places.size(); i += 1 + places.size() / kSlopesOfStep)
       some.push_back(place_.to_input(places[i]));
     std::vector<Vec3> gradients(some.size());
-    step.field->evaluate(some, {{}, gradients, {}, {}});
+    step.field->evaluate(some, {{}, gradients});
     for (const Vec3& g : gradients)
       if (const double slope = long_norm(g); slope > 0) slopes.push_back(slope);
   }
@@ -114,7 +114,7 @@ void IsosurfaceInTime::evaluate(std::span<const Vec3> x, std::span<const double>
     const Wanted& w = wanted[step];
     if (w.x.empty()) continue;
     found.resize(w.x.size());
-    steps_[step].field->evaluate(w.x, {found, {}, {}, {}});
+    steps_[step].field->evaluate(w.x, {found});
     for (std::size_t n = 0; n < w.which.size(); ++n) values[w.which[n]] += w.share[n] * (value_ - found[n]) / slope_;
   }
   if (steps_[0].volume->lattice) return;  // bounds() says it all

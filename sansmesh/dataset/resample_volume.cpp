@@ -144,7 +144,7 @@ GridBlock resample_volume(const VolumeField& field, const std::string& name, con
     }
     const std::size_t count = x.size();
     v.resize(count * c), g.resize(options.gradients ? count * c : 0), in.resize(count);
-    field.evaluate(x, {v, g, in, {}});
+    field.evaluate(x, {v, g, in});
     for (std::size_t i = 0; i < v.size(); ++i)
       if (in[i / c] != 0) largest = std::max(largest, std::abs(v[i]));
     for (std::size_t i = 0; i < g.size(); ++i)

@@ -65,7 +65,7 @@ bool is_held(const FittedVolume& fitted, const std::string& array, const Reconst
   const ReconstructionOptions& held = fitted.chosen;
   const auto same = [](const auto& wanted, const auto& there) { return !wanted || wanted == there; };
   return asked.method == held.method && same(asked.degree, held.degree) && same(asked.iterations, held.iterations) &&
-         same(asked.shape, held.shape) && same(asked.order, held.order) && same(asked.radius, held.radius) &&
+         same(asked.epsilon, held.epsilon) && same(asked.order, held.order) && same(asked.radius, held.radius) &&
          same(asked.robust, held.robust) && (!asked.spherical || *asked.spherical == held.spherical.value_or(false)) &&
          asked.b == held.b && asked.c == held.c;
 }

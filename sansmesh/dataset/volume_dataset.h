@@ -15,17 +15,9 @@
 #include "sansmesh/volume/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "sansmesh/volume_field.h"
+#include "sansmesh/volume_options.h"
 
 namespace sansmesh::inline v1 {
-
-/// What of an array is meant by "NAME", "NAME:1", "NAME:y" or "NAME:magnitude".
-struct ArrayChoice {
-  std::string array;
-  std::optional<std::size_t> component;  ///< one of several; else all
-  bool magnitude = false;                ///< of the vector
-
-  bool operator==(const ArrayChoice&) const = default;
-};
 
 class VolumeDataset {
  public:
@@ -79,16 +71,5 @@ class VolumeDataset {
   std::array<std::shared_ptr<const SampledVolume>, 2> volumes_;
   std::optional<FittedVolume> fitted_;
 };
-
-/// A surface in a volume, as it is named where a file is asked for: "data.vtu[Temp=300]", "data.vtu[V:magnitude=2]".
-struct IsosurfaceName {
-  std::string file;
-  std::string array;  ///< with its component
-  double value = 0;
-};
-
-/// Nothing where the text does not end in brackets with an equals sign between them; throws ArgumentError where the
-/// value is no number or something is missing.
-std::optional<IsosurfaceName> parse_isosurface_name(const std::string& text);
 
 }  // namespace sansmesh::inline v1

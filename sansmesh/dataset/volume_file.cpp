@@ -59,7 +59,7 @@ Json json_of(const ReconstructionOptions& o) {
   return {{"method", *o.method},
           {"degree", json_if(o.degree)},
           {"iterations", json_if(o.iterations)},
-          {"shape", json_if(o.shape)},
+          {"shape", json_if(o.epsilon)},
           {"order", json_if(o.order)},
           {"radius", json_if(o.radius)},
           {"robust", json_if(o.robust)},
@@ -81,7 +81,7 @@ ReconstructionOptions reconstruction_of(const ReadJson& json) {
   o.method = std::string(volume_method(json.at("method").get<std::string>()).name);
   o.degree = whole("degree");
   o.iterations = whole("iterations");
-  o.shape = real("shape");
+  o.epsilon = real("shape");
   o.order = whole("order");
   o.radius = real("radius");
   if (!json.at("robust").is_null()) o.robust = json.at("robust").get<bool>();

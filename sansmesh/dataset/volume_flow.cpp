@@ -38,7 +38,7 @@ class VolumeFlow final : public VectorField {
     std::vector<Vec3>& gradients = n <= kSmall ? slope_store : many_slopes;
     values.resize(n * components);
     gradients.resize(jacobian.empty() ? 0 : n * components);
-    field_->evaluate(x, {values, gradients, inside, {}});
+    field_->evaluate(x, {values, gradients, inside});
     parallel_for(0, n, 4096, [&](std::size_t i) {
       inside[i] = inside[i] != 0 && std::isfinite(t[i]);
       vectors[i] = {};

@@ -9,17 +9,12 @@
 
 #include "sansmesh/vector_field.h"
 #include "sansmesh/volume_field.h"
+#include "sansmesh/volume_options.h"
 
 namespace sansmesh::inline v1 {
 
 /// A field of two (then z is 0) or three components as a steady flow. Throws ArgumentError for others.
 std::unique_ptr<VectorField> volume_flow(std::shared_ptr<const VolumeField> field);
-
-enum class TimeInterpolation : std::uint8_t {
-  constant,  ///< that of the step before, as in the source (METHODS §5.2)
-  linear,    ///< between the two steps around
-  cubic      ///< through the two before and the two after: smooth in time
-};
 
 /// A step of a series, as it was read.
 struct FlowStep {

@@ -440,8 +440,9 @@ const OptionSchema& VolumeSurfaceOptions::schema() {
       option<&O::alternating>({.text = "Predictor: direction and offset in turns, as in the source"}),
       option<&O::line_search>({.text = "Corrector: offset by minimisation along the normal"}),
       option<&O::separate_sheets>({.text = "Samples count wherever they face", .negative = "all_sheets"}),
-      option<&O::exact>(
-          {.text = "Pictures and meshes project at every place, not from paraboloids at the feet of samples"})};
+      option<&O::exact_projection>(
+          {.text = "Pictures and meshes project at every place, not from paraboloids at the feet of samples",
+           .old_name = "exact"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -542,7 +543,7 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   progress.begin("boundary");
   state->domain = std::make_unique<const VolumeDomain>(samples, place);
   std::unique_ptr<const ScalarField> field;
-  if (options.exact) {
+  if (options.exact_projection) {
     field = std::make_unique<const ProjectionField>(*state->projection, state->side.get());
     state->balls = state->places, state->spacing = state->place_spacing;
   } else {

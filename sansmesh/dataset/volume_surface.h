@@ -11,58 +11,15 @@
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/mesh_options.h"
-#include "sansmesh/option.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
+#include "sansmesh/volume_options.h"
 
 namespace sansmesh::inline v1 {
-
-struct VolumeSurfaceOptions {
-  enum class Kind {
-    isovalue,  ///< ω₁ = exp(−((v − f_i)/β₁)²): where the quantity has a value
-    high_gradient  ///< ω₂ = exp(−((‖∇f_i‖/‖∇f‖_max − 1)/β₂)²): where it changes most, borders of materials
-  } kind = Kind::isovalue;
-  double value = 0;  ///< v (unit of the array; isovalue only)
-  /// β₁ (unit of the array, > 0) or β₂ (share, 0.01..1). Default of β₁: what the quantity changes by over a spacing
-  /// around each sample, so that the layer of samples that count is equally thick at steep and at flat places; of β₂:
-  /// 0.35.
-  std::optional<double> beta;
-  /// h of the corrector's weights, and half the radius of the predictor's, in spacings, 0.5..20. Default: 2, more with
-  /// noise.
-  std::optional<double> smoothing;
-  /// high_gradient: ‖∇f‖_max is the largest across the border around the sample, so that faint borders count like
-  /// strong ones; else the largest of the volume as in the source, a thousandth of the samples left out.
-  bool local_maximum = true;
-  /// high_gradient: least ‖∇f‖ of a border (unit of the array per length). Default: what stands out from noise, a
-  /// seventh of the largest at least.
-  std::optional<double> least_gradient;
-  bool predictor = true, corrector = true;  ///< as in LayerOptions, like what follows
-  bool alternating = false, line_search = false;
-  bool separate_sheets = true;
-  /// field() asks the projection itself at every place, not the paraboloids at the feet of the samples: the definition
-  /// to the letter, for two (meshes) to ten (pictures) times the time.
-  bool exact = false;
-
-  /// Without `value`.
-  static const OptionSchema& schema();
-  /// Throws ArgumentError naming the field.
-  void validate() const;
-};
-
-struct VolumeSurfaceReport {
-  std::size_t samples = 0;     ///< that count
-  double spacing = 0;          ///< of those, on the median (length)
-  double smoothing = 0;        ///< h over the spacing
-  double slope = 0;            ///< of the quantity at the surface, on the median (unit of the array per length)
-  double noise = 0;            ///< of the values (unit of the array)
-  double noise_distance = 0;   ///< what that moves an isosurface by (length)
-  double least_gradient = 0;   ///< high_gradient
-  std::optional<double> beta;  ///< where one holds everywhere
-};
 
 /// The surface as a projection, in coordinates of its own.
 class VolumeSurface {

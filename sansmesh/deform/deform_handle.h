@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "sansmesh/deform/handles.h"
+#include "sansmesh/deform_options.h"
 
 namespace sansmesh::inline v1::detail {
 

@@ -5,9 +5,8 @@
 #include <vector>
 
 #include "sansmesh/deform/deform_handle.h"
-#include "sansmesh/deform/deformation_options.h"
-#include "sansmesh/deform/handles.h"
 #include "sansmesh/deform/polynomial_terms.h"
+#include "sansmesh/deform_options.h"
 
 namespace sansmesh::inline v1::detail {
 

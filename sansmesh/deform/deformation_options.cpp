@@ -1,4 +1,4 @@
-#include "sansmesh/deform/deformation_options.h"
+#include "sansmesh/deform_options.h"
 
 #include <cstddef>
 

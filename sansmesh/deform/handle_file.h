@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/deform/handles.h"
+#include "sansmesh/deform_options.h"
 #include "sansmesh/point_set.h"
 
 namespace sansmesh::inline v1 {

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/deform/handles.h"
+#include "sansmesh/deform_options.h"
 
 namespace sansmesh::inline v1 {
 

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "sansmesh/deform/folds.h"
-#include "sansmesh/deform/handles.h"
+#include "sansmesh/deform_options.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {

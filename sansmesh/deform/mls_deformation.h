@@ -5,9 +5,8 @@
 #include <memory>
 #include <vector>
 
-#include "sansmesh/deform/deformation_options.h"
-#include "sansmesh/deform/handles.h"
 #include "sansmesh/deform/occluder.h"
+#include "sansmesh/deform_options.h"
 #include "sansmesh/space_map.h"
 
 namespace sansmesh::inline v1 {

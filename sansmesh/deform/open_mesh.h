@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/deform/occluder.h"
+#include "sansmesh/deform_options.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -24,14 +25,6 @@ struct OpenMeshOptions {
 
   /// Throws ArgumentError naming the field.
   void validate() const;
-};
-
-struct OpenMeshReport {
-  std::size_t edges = 0;     ///< along which the mesh was opened
-  std::size_t doubled = 0;   ///< vertices that were added for them
-  std::size_t faces = 0;     ///< triangles of cut faces, both sides together
-  std::size_t unopened = 0;  ///< triangles that a cut crosses in too complicated a way, after all refinements
-  std::size_t unclosed = 0;  ///< cuts that left something open: meshes as cuts, open meshes
 };
 
 /// Splits the edges that a cut crosses, and the triangles at them, and doubles the vertices on the cut but for those at

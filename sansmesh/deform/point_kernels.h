@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/deform/deformation_options.h"
 #include "sansmesh/deform/polynomial_terms.h"
+#include "sansmesh/deform_options.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1::detail {

@@ -11,8 +11,7 @@
 #include "sansmesh/dynamics/elastic_model.h"
 #include "sansmesh/dynamics/obstacle_set.h"
 #include "sansmesh/dynamics/scene_drive.h"
-#include "sansmesh/dynamics/soft_body_options.h"
-#include "sansmesh/dynamics/step_report.h"
+#include "sansmesh/simulate_options.h"
 
 namespace sansmesh::inline v1 {
 

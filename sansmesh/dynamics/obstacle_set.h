@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "sansmesh/dynamics/soft_body_options.h"
+#include "sansmesh/simulate_options.h"
 
 namespace sansmesh::inline v1 {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/dynamics/soft_body_options.h"
+#include "sansmesh/simulate_options.h"
 
 namespace sansmesh::inline v1 {
 

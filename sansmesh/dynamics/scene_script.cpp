@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "sansmesh/dynamics/length_unit.h"
 #include "sansmesh/dynamics/scene_fields-inl.h"
 #include "sansmesh/error.h"
 
@@ -339,6 +340,11 @@ class SceneReader {
 
 SceneScript parse_scene_script(const std::string& text, const SceneVertices& vertices, bool z_up) {
   return SceneReader(vertices, z_up).read(detail::parse_scene_json(text));
+}
+
+std::string_view word_of(SoftBodyModel model) { return kModelWords[static_cast<std::size_t>(model)]; }
+std::string_view word_of(DynamicsIntegrator integrator) {
+  return kIntegratorWords[static_cast<std::size_t>(integrator)];
 }
 
 std::optional<SoftBodyModel> soft_body_model(std::string_view word) {

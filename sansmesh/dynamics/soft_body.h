@@ -5,17 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/dynamics/soft_body_options.h"
-#include "sansmesh/dynamics/step_report.h"
+#include "sansmesh/simulate_options.h"
 #include "sansmesh/tet_mesh.h"
 
 namespace sansmesh::inline v1 {
-
-/// Joules. Of gravity relative to the origin.
-struct BodyEnergies {
-  double kinetic = 0, elastic = 0, gravity = 0;
-  double total() const { return kinetic + elastic + gravity; }
-};
 
 /// Positions and velocities are in the mesh's order and coordinates. The same bits for any number of threads.
 class SoftBody {

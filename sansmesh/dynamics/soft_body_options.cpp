@@ -1,4 +1,4 @@
-#include "sansmesh/dynamics/soft_body_options.h"
+#include "sansmesh/simulate_options.h"
 
 #include <cmath>
 #include <string>

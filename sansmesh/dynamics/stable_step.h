@@ -1,7 +1,7 @@
 // The longest steps that integrators are stable with.
 #pragma once
 
-#include "sansmesh/dynamics/soft_body_options.h"
+#include "sansmesh/simulate_options.h"
 #include "sansmesh/tet_mesh.h"
 
 namespace sansmesh::inline v1 {

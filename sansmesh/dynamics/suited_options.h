@@ -2,7 +2,7 @@
 #pragma once
 
 #include "sansmesh/dynamics/scene_script.h"
-#include "sansmesh/dynamics/soft_body_options.h"
+#include "sansmesh/simulate_options.h"
 #include "sansmesh/tet_mesh.h"
 
 namespace sansmesh::inline v1 {

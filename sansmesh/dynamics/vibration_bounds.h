@@ -1,7 +1,7 @@
 // How fast a body vibrates, and the steps that are short enough for it.
 #pragma once
 
-#include "sansmesh/dynamics/soft_body_options.h"
+#include "sansmesh/simulate_options.h"
 
 namespace sansmesh::inline v1 {
 

@@ -30,8 +30,7 @@ void DeformedVolume::evaluate(std::span<const Vec3> all, const VolumeAnswers& wa
     const auto part = [&](auto span, std::size_t each) {
       return span.empty() ? span : span.subspan(first * each, n * each);
     };
-    const VolumeAnswers now{part(wanted.values, c), part(wanted.gradients, c), part(wanted.inside, 1),
-                            part(wanted.degrees, 1)};
+    const VolumeAnswers now{part(wanted.values, c), part(wanted.gradients, c), part(wanted.inside, 1)};
     std::vector<Vec3> source(n);
     std::vector<Jacobian> jacobians(now.gradients.empty() ? 0 : n);
     std::vector<double> gaps(gaps_ && !now.inside.empty() ? n : 0);

@@ -43,7 +43,7 @@ void level_set_points(const ScalarField& field, std::span<const Vec3> x, double 
         at[(2 + 2 * axis) * n + i][axis] -= step;
       }
     });
-    field.evaluate(at, values, gradients);
+    field.query({.points = at}, {values, gradients});
     parallel_for(0, n, 1024, [&](std::size_t i) {
       LevelSetPoint& p = result[first + i] = {};
       const auto g = [&](std::size_t k) { return gradients[k * n + i]; };

@@ -24,7 +24,7 @@ void VolumeComponent::evaluate(std::span<const Vec3> x, const VolumeAnswers& wan
   const bool want_values = !wanted.values.empty() || (!component_ && !wanted.gradients.empty());
   std::vector<double> values(want_values ? count * x.size() : 0);
   std::vector<Vec3> gradients(wanted.gradients.empty() ? 0 : count * x.size());
-  field_.evaluate(x, {values, gradients, wanted.inside, wanted.degrees});
+  field_.evaluate(x, {values, gradients, wanted.inside});
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (component_) {
       if (!wanted.values.empty()) wanted.values[i] = values[count * i + *component_];

@@ -1,4 +1,4 @@
-#include "sansmesh/flow/analytic_flows.h"
+#include "sansmesh/flow_options.h"
 
 #include <algorithm>
 #include <array>

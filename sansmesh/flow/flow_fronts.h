@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/flow/flow_surface_options.h"
 #include "sansmesh/flow/seed_curve.h"
 #include "sansmesh/flow/trace.h"
+#include "sansmesh/flow_options.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vector_field.h"

@@ -12,6 +12,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/flow/option_facts.h"
+#include "sansmesh/flow/trace.h"
 
 namespace sansmesh::inline v1 {
 namespace {

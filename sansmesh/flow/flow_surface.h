@@ -2,24 +2,12 @@
 // streak and time surfaces by a sheet of particles that is refined.
 #pragma once
 
-#include <vector>
-
-#include "sansmesh/flow/flow_surface_options.h"
 #include "sansmesh/flow/seed_curve.h"
+#include "sansmesh/flow_options.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vector_field.h"
 
 namespace sansmesh::inline v1 {
-
-/// Vertex i of the mesh is points[i]. Neighbours share vertices; there are none without a triangle. Attributes of the
-/// vertices: s, time, speed, front, as in the points. Triangles are counter-clockwise seen from where the normals
-/// point: along (direction of growing s) × velocity.
-struct FlowSurface {
-  std::vector<FlowPoint> points;
-  TriangleMesh mesh;
-  FlowSurfaceReport report;
-};
 
 /// The same bytes for any number of threads. Throws ArgumentError for bad options or a bad curve, DataError where no
 /// part of the curve lies in the field, or the flow stands still on all of it.

@@ -1,4 +1,4 @@
-#include "sansmesh/flow/flow_surface_options.h"
+#include "sansmesh/flow_options.h"
 
 #include <string_view>
 

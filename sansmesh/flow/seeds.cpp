@@ -1,4 +1,4 @@
-#include "sansmesh/flow/seeds.h"
+#include "sansmesh/flow_options.h"
 
 #include <algorithm>
 #include <charconv>

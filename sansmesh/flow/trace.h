@@ -3,57 +3,16 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "sansmesh/option.h"
+#include "sansmesh/flow_options.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/vec.h"
 #include "sansmesh/vector_field.h"
 
 namespace sansmesh::inline v1 {
-
-enum class Integrator : std::uint8_t {
-  euler,  ///< the source's: first order
-  rk4,    ///< Runge and Kutta's classical one: fourth order
-  dopri5  ///< Dormand and Prince's pair of orders 5 and 4: steps as long as the tolerance allows
-};
-
-/// Direction of particles from their seeds.
-enum class FlowDirection : std::uint8_t { forward, backward, both };
-
-/// Why a particle stopped.
-enum class TraceEnd : std::uint8_t {
-  time,            ///< the moment asked for, or the last one of the field
-  length,          ///< the length asked for
-  boundary,        ///< where the field ends
-  critical_point,  ///< slower than `least_speed`, or no farther for long
-  steps,           ///< more steps than `most_steps`
-  outside          ///< it began where there is no field
-};
-
-struct TraceOptions {
-  Integrator integrator = Integrator::dopri5;
-  bool backward = false;  ///< against the flow, to earlier moments
-  /// Error of a step of dopri5 (length, > 0). Default: 10⁻⁵ of the diagonal of the field's bounds.
-  std::optional<double> tolerance;
-  /// How far a step goes (length, > 0): of euler and rk4 as far as that at the speed where it starts, of dopri5 at
-  /// most. Default: a thousandth (of dopri5 a fiftieth) of that diagonal.
-  std::optional<double> step;
-  double duration = std::numeric_limits<double>::infinity();  ///< time, > 0
-  double length = std::numeric_limits<double>::infinity();    ///< of the line, > 0
-  /// Length per time, >= 0: slower ones have arrived at a critical point. Where this is not 0, and the field has no
-  /// moments(), so have lines of dopri5 that do not get farther than 32 tolerances in 64 steps.
-  double least_speed = 0;
-  std::size_t most_steps = 20'000;  ///< >= 1, tries included
-
-  /// Options for users: not the direction, duration and length, which follow from what is traced.
-  static const OptionSchema& schema();
-  /// Throws ArgumentError naming the field.
-  void validate() const;
-};
 
 /// The tolerance given, or the default of this field.
 double trace_tolerance(const VectorField& field, const TraceOptions& options);

@@ -347,16 +347,16 @@ const OptionSchema& DiagnoseOptions::schema() {
       option<&O::coverage_below>({.text = "Fits are suspicious if samples cover less than this share of them",
                                   .unit = "share",
                                   .range = {0, 1},
-                                  .name = "coverage"}),
+                                  .old_name = "coverage"}),
       option<&O::error_above>({.text = "Fits are suspicious if their samples lie farther off than this (rms)",
                                .unit = "length",
                                .from_data = "from data",
                                .range = positive(),
-                               .name = "error"}),
+                               .old_name = "error"}),
       option<&O::gradient_above>({.text = "Fits are suspicious if the gradient is longer than this, > 1",
                                   .unit = "norm",
                                   .range = {.least = 1, .above = true},
-                                  .name = "gradient"}),
+                                  .old_name = "gradient"}),
       option<&O::places>({.text = "Report at most this many places of each kind", .range = at_least(0)})};
   static constexpr OptionSchema schema{rows};
   return schema;

@@ -15,8 +15,8 @@ namespace sansmesh::inline v1 {
 /// know it show the first picture. Pictures are packed as they come, of each only the part that changes.
 class Animation {
  public:
-  /// `loops`: how often it is played, 0: for ever. Throws ArgumentError unless `frames_per_second` is in 0.01..1000.
-  explicit Animation(double frames_per_second, unsigned loops = 0);
+  /// `loops`: how often it is played, 0: for ever. Throws ArgumentError unless `fps` is in 0.01..1000.
+  explicit Animation(double fps, unsigned loops = 0);
   /// All must have the size of the first, and are opaque where that is. Throws ArgumentError.
   void add(const Image& picture);
   std::size_t size() const { return frames_.size(); }

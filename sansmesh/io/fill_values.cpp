@@ -281,7 +281,7 @@ std::string line_of(const Occurrence& o) {
   for (std::size_t k = 0; k < std::min(o.where.size(), kNamed); ++k) where += (k > 0 ? ", " : "") + o.where[k];
   if (o.where.size() > kNamed) where += fmt::format(" and {}", counted(o.where.size() - kNamed, "other array"));
   if (o.asked) return fmt::format("{:.6g} counts as missing: {}", o.value, where);
-  return fmt::format("{:.6g} is a usual fill value and counts as missing: {} (`fill_values = none` keeps it)", o.value,
+  return fmt::format("{:.6g} is a usual fill value and counts as missing: {} (`fill_value = none` keeps it)", o.value,
                      where);
 }
 
@@ -289,7 +289,7 @@ std::string line_of(const Occurrence& o) {
 
 void FillValueOptions::validate() const {
   for (const double v : values)
-    if (!std::isfinite(v)) throw ArgumentError("`fill_values` must be finite: numbers that are not are missing anyway");
+    if (!std::isfinite(v)) throw ArgumentError("`fill_value` must be finite: numbers that are not are missing anyway");
 }
 
 std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions& options) {
@@ -303,7 +303,7 @@ std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions
     const std::vector<Candidate> fills = searcher.search(parts, doubtful);
     for (const Candidate& c : doubtful)
       doubts.push_back(
-          fmt::format("{:.6g} occurs {} times in {}, and may stand for missing values: `fill_values` says so", c.value,
+          fmt::format("{:.6g} occurs {} times in {}, and may stand for missing values: `fill_value` says so", c.value,
                       grouped(c.count), printable(parts.name, 60)));
     if (fills.empty()) continue;
     std::vector<std::size_t> rows(fills.size(), 0);
@@ -341,7 +341,7 @@ std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions
   for (const double v : options.values)
     if (std::none_of(occurrences.begin(), occurrences.end(),
                      [&](const Occurrence& o) { return o.asked && o.value == v; }))
-      lines.push_back(fmt::format("`fill_values`: no array has the value {:.6g}", v));
+      lines.push_back(fmt::format("`fill_value`: no array has the value {:.6g}", v));
   return lines;
 }
 

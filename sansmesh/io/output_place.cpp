@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cstring>
 
+#include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1::io {
@@ -86,7 +87,7 @@ void fail_output(const std::string& file, int error) {
 OutputPlace find_output_place(const std::string& file) {
   if (file.empty()) throw FileError("(no name)", "the name of the file to write is empty");
   OutputPlace place;
-  place.path = file;
+  place.path = detail::file_to_open(file);
   follow_links(file, place);
   struct stat info {};
   if (place.descriptor >= 0) {

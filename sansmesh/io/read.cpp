@@ -11,6 +11,7 @@
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
+#include "sansmesh/io/volume_readers.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -48,6 +49,9 @@ PointSet read_any(const std::string& file, ReadReport& report, const std::option
                          : "unknown ending '." + name.substr(0, 20) + "'; known: " + known_endings());
   }
   if (!format->read_points) fail_reading(in, *format);
+  if (format->id == FormatId::table && in.bytes.substr(0, 4096).find('\0') != std::string_view::npos &&
+      io::is_plot3d(in))
+    fail_reading(in, *format_of_name("grid.p3d", kVolume));
   if (by_content && by_name && by_content != by_name) {
     in.warn(fmt::format("its ending is '.{}', but its content is of another format and was read as that", name));
   }

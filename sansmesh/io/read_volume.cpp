@@ -253,6 +253,24 @@ void check_points(const std::string& file, const GridData& data) {
   throw FileError(file, "holds no points");
 }
 
+/// Of a file that could be a table of points as well: those begin with a whole number only by chance.
+bool holds_plot3d(const std::string& file) {
+  try {
+    const io::FileContent content(file);
+    const std::string_view bytes = content.bytes();
+    const bool text = bytes.substr(0, 4096).find('\0') == std::string_view::npos;
+    const std::size_t begin = bytes.find_first_not_of(" \t\r\n");
+    if (text && begin == std::string_view::npos) return false;
+    const std::string_view rest = bytes.substr(text ? begin : 0);
+    const std::size_t digits = rest.find_first_not_of("0123456789");
+    if (text && (digits == 0 || (digits != std::string_view::npos && rest[digits] == '.'))) return false;
+    ReadReport ignored;
+    return io::is_plot3d({file, bytes, ignored});
+  } catch (const FileError&) {
+    return false;  // its reader says why
+  }
+}
+
 /// The volume as the file has it, fill values and all.
 GridData read_whole(const std::string& file, const VolumeReadOptions& options, ReadReport& r) {
   r = {};
@@ -310,6 +328,14 @@ bool is_volume_name(const std::string& file) {
   if (std::filesystem::is_directory(file, ignored)) return true;
   const auto format = volume_format_of_name(file);
   return format && format != FormatId::table;
+}
+
+bool holds_volume(const std::string& file) {
+  if (is_volume_name(file)) return true;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) return false;
+  const FormatInfo* const by_name = format_of_name(file, kPoints);
+  return by_name && by_name->id == FormatId::table && holds_plot3d(file);
 }
 
 bool has_vtk_readers(std::string* why_not) {

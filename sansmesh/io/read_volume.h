@@ -35,6 +35,9 @@ GridData read_volumes(const std::vector<std::string>& files, const VolumeReadOpt
 /// files of points are not among them.
 bool is_volume_name(const std::string& file);
 
+/// The same, and where the ending is that of points as well, whether the content is a grid (PLOT3D named .xyz).
+bool holds_volume(const std::string& file);
+
 /// Whether the module for VTK's formats can be loaded; `why_not` receives the reason otherwise.
 bool has_vtk_readers(std::string* why_not = nullptr);
 

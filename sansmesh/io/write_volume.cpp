@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/names.h"
@@ -158,6 +159,8 @@ void check_volume_writable(const std::string& file) {
     throw FileError(file, e.empty() ? fmt::format("has no ending that names a format for volumes; known: {}", kKnown)
                                     : fmt::format("no writer for volumes with the ending '.{}'; known: {}", e, kKnown));
   check_writable(file, "text");
+  if (e == "mhd" && detail::file_to_open(file) != file)
+    throw FileError(file, "holds one file: .mha has header and numbers in one");
   if (e == "mhd") check_raw(file);
 }
 

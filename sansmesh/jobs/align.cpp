@@ -60,8 +60,8 @@ AlignResult align(const AnySurface& moving, const AnySurface& fixed, const Surfa
   }
   if (!r.found) {
     std::string why = moving.name() + ": found no place on " + fixed.name() + " where it fits";
-    if (!options.scale && (r.size_ratio > kOtherSize || r.size_ratio < 1 / kOtherSize))
-      why += fmt::format(" (it is {:.4g} times as large: `scale`)", r.size_ratio);
+    if (!options.find_scale && (r.size_ratio > kOtherSize || r.size_ratio < 1 / kOtherSize))
+      why += fmt::format(" (it is {:.4g} times as large: `find_scale`)", r.size_ratio);
     throw DataError(why);
   }
   add_alignment_notes(r, options, moving.name(), result.notes);

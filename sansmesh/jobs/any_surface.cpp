@@ -1,7 +1,7 @@
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/inspect.h"
-#include "sansmesh/jobs/isosurface.h"
+#include "sansmesh/isosurfaces.h"
 #include "sansmesh/triangle_mesh.h"
 
 #include <utility>

@@ -143,7 +143,7 @@ std::string weld_places(CloudOrMesh& data, double distance) {
 }
 
 std::string keep_apart(CloudOrMesh& data, double distance) {
-  need_points(data, "`points` takes its vertices, a simplification makes fewer triangles");
+  need_points(data, "`vertices_only` takes its vertices, a simplification makes fewer triangles");
   const std::size_t before = data.size();
   const std::vector<Vec3> positions(data.points.positions.begin(), data.points.positions.end());
   take(data, poisson_discs(positions, distance));
@@ -151,14 +151,14 @@ std::string keep_apart(CloudOrMesh& data, double distance) {
 }
 
 std::string keep_count(CloudOrMesh& data, std::size_t count) {
-  need_points(data, "`points` takes its vertices");
+  need_points(data, "`vertices_only` takes its vertices");
   const std::size_t before = data.size();
   take(data, scattered_choice(before, count));
   return left_of(before, data);
 }
 
 std::string keep_every(CloudOrMesh& data, std::size_t n) {
-  need_points(data, "`points` takes its vertices");
+  need_points(data, "`vertices_only` takes its vertices");
   const std::size_t before = data.size();
   take(data, every_nth(before, n));
   return left_of(before, data);

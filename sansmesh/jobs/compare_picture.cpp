@@ -53,7 +53,7 @@ MapPicture draw_map(const CompareResult& compared, const CompareOptions& options
   made.made_with.look.shadows = made.made_with.look.ground = false;
   made.made_with.view.width -= value_bar_width(picture.view.height, scale, title);
   std::vector<double> marks;
-  if (const auto& most = options.map.tolerance) marks = {-*most, *most};
+  if (const auto& most = options.map.within) marks = {-*most, *most};
   const Image paper = paper_beside(made.made_with);
   made.image = beside_value_bar(render_mesh(compared.mesh, made.made_with, progress), scale, title, marks, &paper,
                                 {map.has_sides && (s.lowest < -s.range), (s.highest > s.range)});

@@ -48,7 +48,7 @@ struct DoStep {
   std::string operator()(const FlipStep& s) const { return flip_sides(data, s.faces, s.normals); }
 };
 
-/// "`crop` leaves nothing …".
+/// "`box` leaves nothing …".
 std::string in_accents(std::string_view name) { return "`" + std::string(name) + "`"; }
 
 ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step) {
@@ -75,7 +75,8 @@ ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step) {
 
 const OptionSchema& ConvertOptions::schema() {
   using O = ConvertOptions;
-  static constexpr OptionRow rows[] = {option<&O::points>({.text = "Of a mesh the vertices alone"})};
+  static constexpr OptionRow rows[] = {
+      option<&O::vertices_only>({.text = "Of a mesh the vertices alone", .old_name = "points"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -90,7 +91,7 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
   CloudOrMesh& data = result.data;
   result.report.size_words = data.size_words();
   result.report.size = data.size(), result.report.triangles = data.mesh.triangles.size();
-  if (options.points) data.make_points();
+  if (options.vertices_only) data.make_points();
   for (const ConvertStep& step : options.steps) {
     progress.begin(std::string(step_name(step)));
     result.report.steps.push_back(do_step(data, step));

@@ -115,12 +115,12 @@ std::string_view step_name(const ConvertStep& step) {
     std::string_view operator()(const CenterStep&) const { return "center"; }
     std::string_view operator()(const RotateStep&) const { return "rotate"; }
     std::string_view operator()(const ScaleStep&) const { return "scale"; }
-    std::string_view operator()(const AxesStep&) const { return "axes"; }
+    std::string_view operator()(const AxesStep&) const { return "new_axes"; }
     std::string_view operator()(const UpStep&) const { return "up"; }
     std::string_view operator()(const UnitStep&) const { return "to_unit"; }
-    std::string_view operator()(const CropStep& s) const { return s.inside ? "crop" : "crop_out"; }
-    std::string_view operator()(const SpacingStep&) const { return "spacing"; }
-    std::string_view operator()(const CountStep&) const { return "count"; }
+    std::string_view operator()(const CropStep& s) const { return s.inside ? "box" : "outside_box"; }
+    std::string_view operator()(const SpacingStep&) const { return "point_spacing"; }
+    std::string_view operator()(const CountStep&) const { return "point_count"; }
     std::string_view operator()(const EveryStep&) const { return "every"; }
     std::string_view operator()(const ChooseStep& s) const { return s.keep ? "keep" : "drop"; }
     std::string_view operator()(const WeldStep&) const { return "weld"; }

@@ -53,7 +53,7 @@ CurvedInput curvatures_of(PointSet given, CurvatureOptions options, Progress& pr
     options.noise = cloud.place.from_input(*options.noise);
   else  // known unless normals are taken as given
     options.noise = is_mesh ? known_noise(cloud.points) : *cloud.noise;
-  if (options.radius) options.radius = cloud.place.from_input(*options.radius);
+  if (options.bandwidth) options.bandwidth = cloud.place.from_input(*options.bandwidth);
   progress.begin("curvature");
   CurvedInput made;
   made.noise = cloud.place.to_input(*options.noise);

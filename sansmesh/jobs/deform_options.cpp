@@ -1,9 +1,8 @@
-#include "sansmesh/jobs/deform_options.h"
-
+// Options of deformations.
 #include <span>
 
 #include "sansmesh/error.h"
-#include "sansmesh/meshing/mesh_csg.h"
+#include "sansmesh/jobs/deform.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -45,7 +44,8 @@ const OptionSchema& DeformOptions::schema() {
       option_group<&O::lattice>(lattice.last(1)),
       option<&O::map_nodes>({.text = "Of pictures: nodes along the longest side of the map that they are seen through",
                              .range = {8, 512}}),
-      option<&O::exact>({.text = "Straight through the deformation, and of functions without a mesh: slow"}),
+      option<&O::exact_deformation>(
+          {.text = "Straight through the deformation, and of functions without a mesh: slow", .old_name = "exact"}),
       option<&O::draw_handles>({.text = "In pictures: handles as balls, blue before, red after, and their ways"}),
       option<&O::draw_folds>({.text = "In pictures: in red where space is folded"})};
   static const OptionSchema schema{rows};

@@ -7,6 +7,8 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/deform/displacement_map.h"
+#include "sansmesh/deform/folds.h"
 #include "sansmesh/deform/handle_shapes.h"
 
 namespace sansmesh::inline v1 {
@@ -39,6 +41,11 @@ void FoldWatch::add_note(const std::string& name, std::vector<Note>& notes) cons
                            100 * worst_.share, counted(worst_.folds.size(), "place"), center.x, center.y, center.z),
        .remedy = "move them less, or in several steps, or take a smaller `alpha`",
        .of = name});
+}
+
+Box3 with_room(const Box3& box, double share) {
+  const Vec3 room = Vec3{1, 1, 1} * (share * box.diagonal());
+  return {box.lower - room, box.upper + room};
 }
 
 void add_corners(const Box3& box, std::vector<Vec3>& places) {

@@ -1,15 +1,12 @@
-// Parts that deformations of all kinds of things share (deform.h).
+// Parts that deformations of all kinds of things share.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "sansmesh/box.h"
-#include "sansmesh/deform/folds.h"
-#include "sansmesh/error.h"
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/deform_options.h"
-#include "sansmesh/jobs/deformation.h"
+#include "sansmesh/jobs/deform.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/picture_surfaces.h"
@@ -31,6 +28,8 @@ class FoldWatch {
   FoldReport worst_;
 };
 
+/// The box with so much room around it, as a share of its diagonal.
+Box3 with_room(const Box3& box, double share);
 void add_corners(const Box3& box, std::vector<Vec3>& places);
 void add_vertices(const TriangleMesh& mesh, std::vector<Vec3>& places);
 /// Places that all poses lie within, where there are several: of the first, the middle and the last.

@@ -6,10 +6,11 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/deform/open_mesh.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/with_name.h"
+#include "sansmesh/mesh/deformed_mesh.h"
 #include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
@@ -23,7 +24,7 @@ void color_folded(TriangleMesh& mesh, const SpaceMap& map) {
   x.reserve(mesh.vertices.size());
   for (const Vec3f& p : mesh.vertices) x.push_back(mesh.origin + Vec3(p));
   std::vector<Jacobian> jacobians(x.size());
-  map.map(x, {{}, jacobians, {}, {}});
+  map.query({.points = x}, {.gradients = jacobians});
   if (mesh.colors.empty()) mesh.colors.assign(x.size(), kUsualColor);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Jacobian& j = jacobians[i];
@@ -35,18 +36,20 @@ std::string number_of(std::size_t n, bool vertices) {
   return vertices ? fmt::format("{} {}", grouped(n), n == 1 ? "vertex" : "vertices") : counted(n, "point");
 }
 
+void keep_moves(const MeshDeformReport& moves, DeformReport& r) {
+  r.added = moves.added, r.fine = moves.fine, r.undefined = moves.undefined, r.turned = moves.turned;
+}
+
 void add_mesh_notes(const DeformReport& r, bool mesh, const std::string& name, std::vector<Note>& notes) {
   const auto note = [&](const char* code, std::string text, const char* remedy = "") {
     notes.push_back({.code = code, .text = std::move(text), .remedy = remedy, .of = name});
   };
-  if (!r.mesh.fine)
-    note("bends_stay", "there would be too many triangles to cut all edges that bend", "a larger `refine`");
-  if (r.mesh.undefined > 0)
+  if (!r.fine) note("bends_stay", "there would be too many triangles to cut all edges that bend", "a larger `refine`");
+  if (r.undefined > 0)
     note("undefined",
-         fmt::format("{} stay where they are: the map is not defined there", number_of(r.mesh.undefined, mesh)));
-  if (r.mesh.turned > 0)
-    note("turned",
-         fmt::format("{} of {} lie where space is folded", grouped(r.mesh.turned), number_of(r.vertices, mesh)));
+         fmt::format("{} stay where they are: the map is not defined there", number_of(r.undefined, mesh)));
+  if (r.turned > 0)
+    note("turned", fmt::format("{} of {} lie where space is folded", grouped(r.turned), number_of(r.vertices, mesh)));
   if (r.cut.unopened > 0)
     note("uncut", fmt::format("{} stayed whole where a cut passes: it does so in too many places",
                               counted(r.cut.unopened, "triangle")));
@@ -82,14 +85,18 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
     folds.look(*maps.forward, before, progress);
     progress.begin("deform");
     if (!mesh && !picture) {
-      PointSet cloud = deform_points(points, *maps.forward, &r.mesh);
+      MeshDeformReport moves;
+      PointSet cloud = deform_points(points, *maps.forward, &moves);
+      keep_moves(moves, r);
       r.vertices = cloud.size();
       use(k, std::move(cloud));
       continue;
     }
     TriangleMesh moved = opened;
     if (options.draw_folds) color_folded(moved, *maps.forward);
-    moved = deform_mesh(std::move(moved), *maps.forward, bent, &r.mesh);
+    MeshDeformReport moves;
+    moved = deform_mesh(std::move(moved), *maps.forward, bent, &moves);
+    keep_moves(moves, r);
     r.vertices = moved.vertices.size(), r.triangles = moved.triangles.size();
     if (!picture) {
       use(k, std::move(moved));
@@ -98,8 +105,8 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
     std::vector<Vec3> places = framed;
     if (places.empty()) add_vertices(moved, places);
     use(k, with_name(name, [&] {
-          return picture_of_pose({surface_in_picture(moved, options.look.picture)}, options, deformation,
-                                 options.share(k), std::move(places), {}, progress);
+          return DeformedPicture{picture_of_pose({surface_in_picture(moved, options.look.picture)}, options,
+                                                 deformation, options.share(k), std::move(places), {}, progress)};
         }));
   }
   add_mesh_notes(r, mesh, name, result.notes);

@@ -7,16 +7,19 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/deform/open_mesh.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/deformed_field.h"
 #include "sansmesh/field/inverse_map.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/jobs/with_name.h"
+#include "sansmesh/measure/section.h"
+#include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/repair.h"
 #include "sansmesh/triangle_mesh.h"
@@ -98,7 +101,7 @@ class SolidPoses {
     const DeformedField field(field_, maps.backward, deformation_.box_of(maps, before_));
     const TriangleMesh folded = folds_.look(*maps.backward, options_.box.value_or(field.bounds()), progress_);
     if (aim_ == DeformAim::sections) return sections_of(field);
-    if (aim_ == DeformAim::picture) return picture_of(field, folded, share);
+    if (aim_ == DeformAim::picture) return DeformedPicture{picture_of(field, folded, share)};
     DeformReport& r = result_.report;
     TriangleMesh mesh = mesh_csg(field, mesh_options(), progress_, &r.solid.emplace());
     for (const std::string& line : r.solid->warnings) note_once("mesh", line);
@@ -150,8 +153,8 @@ class SolidPoses {
     if (aim_ != DeformAim::picture) return mesh;
     std::vector<Vec3> places = framed_;
     if (places.empty()) add_vertices(mesh, places);
-    return picture_of_pose({surface_in_picture(mesh, options_.look.picture)}, options_, deformation_, share,
-                           std::move(places), {}, progress_);
+    return DeformedPicture{picture_of_pose({surface_in_picture(mesh, options_.look.picture)}, options_, deformation_,
+                                           share, std::move(places), {}, progress_)};
   }
 
   std::vector<Section> sections_of(const DeformedField& field) {
@@ -169,7 +172,8 @@ class SolidPoses {
   /// for.
   Image picture_of(const DeformedField& field, const TriangleMesh& folded, double share) {
     CsgMeshOptions o = mesh_options();
-    const bool exact = options_.exact || function_;  // functions of scans have hardly a crease: rays are quicker
+    const bool exact =
+        options_.exact_deformation || function_;  // functions of scans have hardly a crease: rays are quicker
     if (exact) {
       if (!o.cell && !o.resolution) o.resolution = kPictureCells;
       o.simplify = 0;

@@ -7,14 +7,17 @@
 
 #include "sansmesh/dataset/resample_volume.h"
 #include "sansmesh/deform/cut_map.h"
+#include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/deformed_volume.h"
 #include "sansmesh/field/inverse_map.h"
 #include "sansmesh/field/map_gaps.h"
-#include "sansmesh/jobs/deform.h"
+#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/deform_parts.h"
+#include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
+#include "sansmesh/mesh/deformed_mesh.h"
 #include "sansmesh/mesh/refine_edges.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/value_histogram.h"
@@ -76,6 +79,7 @@ class VolumePoses {
       if (const auto view = view_of_layer(samples.bounds(), look_.picture.view.up))
         look_.picture.view.direction = *view;
     look_.picture.view.steady = options_.frames.has_value();
+    if (look_.color_bar) leave_room(look_.picture, ColorBar{*look_.transfer, look_.color_title, {}});
     framed_ = places_of_poses(deformation_, before_, options_, true);
   }
 
@@ -107,7 +111,7 @@ class VolumePoses {
     return block;
   }
 
-  Image picture(int k) {
+  DeformedPicture picture(int k) {
     const double share = options_.share(k);
     const DeformationMaps maps = deformation_.at(share);
     const Box3 box = box_at(maps);
@@ -141,12 +145,13 @@ class VolumePoses {
           surface_in_picture(deformation_.handle_shapes_at(share, before_.diagonal()), look_.picture));
     const VolumePicture picture(std::move(subject), progress_);
     VolumePictureReport report;
-    Image image = picture.render(look_, progress_, &report);
+    DeformedPicture made{picture.render(look_, progress_, &report),
+                         options_.look.picture.view.width - look_.picture.view.width};
     if (!outside && !torn)
       report.notes.emplace_back("the outside of the volume is folded or torn: its sides are drawn a step at a time");
     add_notes(result_.notes, "picture", report.notes, volume_.name);
     result_.report.rays = report.rays, result_.report.evaluations = report.evaluations;
-    return image;
+    return made;
   }
 
   DeformResult result() {
@@ -162,7 +167,7 @@ class VolumePoses {
 
   /// The deformation itself is slow to ask at each step of each ray.
   std::shared_ptr<const SpaceMap> seen_through(const DeformationMaps& maps, const Box3& box) const {
-    if (options_.exact || !deformation_.has_handles()) return maps.backward;
+    if (options_.exact_deformation || !deformation_.has_handles()) return maps.backward;
     const Box3 wide = with_room(box, kMapRoom);
     const std::array<std::size_t, 3> sizes = lattice_sizes(wide, static_cast<std::size_t>(options_.map_nodes));
     if (deformation_.cuts().empty())
@@ -183,7 +188,7 @@ class VolumePoses {
 
 }  // namespace
 
-DeformableVolume deformable_volume(VolumeModel& volume, DeformAim aim, bool all, Progress& progress,
+DeformableVolume deformable_volume(const VolumeModel& volume, DeformAim aim, bool all, Progress& progress,
                                    std::vector<Note>& notes) {
   DeformableVolume found{volume.name(), volume.samples(progress), {}, {}};
   const auto add = [&](const ArrayChoice& choice, const std::string& name) {
@@ -194,8 +199,8 @@ DeformableVolume deformable_volume(VolumeModel& volume, DeformAim aim, bool all,
     add(aim == DeformAim::picture ? volume.as_scalar(volume.choice()) : volume.choice(), volume.array_name());
     return found;
   }
-  for (const DatasetArray& array : volume.dataset().arrays())
-    if (volume.dataset().volume(array.name, progress) == found.samples) add({array.name, {}, false}, array.name);
+  for (const DatasetArray& array : volume.arrays())
+    if (dataset_of(volume).volume(array.name, progress) == found.samples) add({array.name, {}, false}, array.name);
   return found;
 }
 

@@ -1,10 +1,11 @@
-#include "sansmesh/jobs/deformation.h"
-
+// Deformations of space.
 #include <fmt/core.h>
 
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/deform.h"
+#include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/handle_motion.h"
 #include "sansmesh/deform/handle_shapes.h"
 #include "sansmesh/deform/mls_deformation.h"
@@ -19,31 +20,54 @@ constexpr double kBallShare = 0.008;        // radius of drawn handles, of what 
 
 }  // namespace
 
+struct Deformation::State {
+  std::string name;
+  std::vector<Handle> handles = {};
+  MlsDeformationOptions options = {};
+  std::vector<std::shared_ptr<const Occluder>> cuts = {};
+  DeformationMaps whole = {};  ///< at 1
+
+  DeformationMaps at(double share) const {
+    std::vector<Handle> now = sansmesh::handles_at(handles, share);
+    try {
+      auto forward = std::make_shared<const MlsDeformation>(reversed(now), options, cuts);
+      return {std::make_shared<const MlsDeformation>(std::move(now), options, cuts), std::move(forward)};
+    } catch (const ArgumentError& error) {
+      if (name.empty()) throw;
+      throw FileError(name, error.what());
+    }
+  }
+};
+
 Deformation::Deformation(std::vector<Handle> handles, const MlsDeformationOptions& options,
-                         std::vector<std::shared_ptr<const Occluder>> cuts, std::string name)
-    : name_(std::move(name)), handles_(std::move(handles)), options_(options), cuts_(std::move(cuts)) {
-  options_.validate();
-  whole_ = at(1);
+                         std::vector<std::shared_ptr<const Occluder>> cuts, std::string name) {
+  options.validate();
+  auto state =
+      std::make_shared<State>(State{.name = std::move(name), .handles = std::move(handles), .options = options});
+  state->cuts = std::move(cuts);
+  state->whole = state->at(1);
+  state_ = std::move(state);
 }
 
-Deformation::Deformation(std::shared_ptr<const DisplacementMap> map, std::string name) : name_(std::move(name)) {
-  auto forward = std::make_shared<const InverseMap>(map, kInverseTolerance);
-  whole_ = {std::move(map), std::move(forward)};
+Deformation::Deformation(std::shared_ptr<const SpaceMap> backward, std::string name) {
+  auto state = std::make_shared<State>(State{.name = std::move(name)});
+  auto forward = std::make_shared<const InverseMap>(backward, kInverseTolerance);
+  state->whole = {std::move(backward), std::move(forward)};
+  state_ = std::move(state);
 }
+
+Deformation::Deformation(const GridBlock& displacements, std::string name)
+    : Deformation(std::make_shared<const DisplacementMap>(displacement_map_of(displacements)), std::move(name)) {}
 
 DeformationMaps Deformation::at(double share) const {
-  if (whole_.backward && (!has_handles() || share == 1)) return whole_;
-  std::vector<Handle> now = handles_at(share);
-  try {
-    auto forward = std::make_shared<const MlsDeformation>(reversed(now), options_, cuts_);
-    return {std::make_shared<const MlsDeformation>(std::move(now), options_, cuts_), std::move(forward)};
-  } catch (const ArgumentError& error) {
-    if (name_.empty()) throw;
-    throw FileError(name_, error.what());
-  }
+  return !has_handles() || share == 1 ? state_->whole : state_->at(share);
 }
 
-std::vector<Handle> Deformation::handles_at(double share) const { return sansmesh::handles_at(handles_, share); }
+std::vector<Handle> Deformation::handles_at(double share) const { return sansmesh::handles_at(state_->handles, share); }
+bool Deformation::has_handles() const { return !state_->handles.empty(); }
+const std::vector<std::shared_ptr<const Occluder>>& Deformation::cuts() const { return state_->cuts; }
+const std::string& Deformation::name() const { return state_->name; }
+const MlsDeformationOptions& Deformation::options() const { return state_->options; }
 
 std::optional<Box3> Deformation::box_of(const DeformationMaps& maps, const Box3& box) const {
   if (!has_handles() || !is_finite(box.lower) || !is_finite(box.upper) || box.empty()) return std::nullopt;
@@ -54,7 +78,7 @@ std::optional<Box3> Deformation::box_of(const DeformationMaps& maps, const Box3&
     for (int j = 0; j < kPoints; ++j)
       for (int i = 0; i < kPoints; ++i) x.push_back(box.lower + Vec3{i * step.x, j * step.y, l * step.z});
   std::vector<Vec3> moved(x.size());
-  maps.forward->map(x, {moved, {}, {}, {}});
+  maps.forward->query({.points = x}, {.values = moved});
   Box3 found;
   for (const Vec3& p : moved)
     if (is_finite(p)) found.extend(p);
@@ -70,14 +94,10 @@ TriangleMesh Deformation::handle_shapes_at(double share, double size) const {
 
 std::string Deformation::words() const {
   if (!has_handles()) return "by a displacement map";
-  return fmt::format("{}, {}{}{}", counted(handles_.size(), "handle"), kind_word(options_.kind),
-                     options_.kind == DeformationKind::nonlinear ? fmt::format(" of degree {}", options_.degree) : "",
-                     cuts_.empty() ? "" : ", " + counted(cuts_.size(), "cut"));
-}
-
-Box3 with_room(const Box3& box, double share) {
-  const Vec3 room = Vec3{1, 1, 1} * (share * box.diagonal());
-  return {box.lower - room, box.upper + room};
+  const MlsDeformationOptions& of = options();
+  return fmt::format("{}, {}{}{}", counted(state_->handles.size(), "handle"), kind_word(of.kind),
+                     of.kind == DeformationKind::nonlinear ? fmt::format(" of degree {}", of.degree) : "",
+                     cuts().empty() ? "" : ", " + counted(cuts().size(), "cut"));
 }
 
 }  // namespace sansmesh::inline v1

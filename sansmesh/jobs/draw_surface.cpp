@@ -32,7 +32,7 @@ std::unique_ptr<ColorField> make_colors(const PictureOptions& o, const SurfaceMo
   }
   CurvatureColorOptions by;
   by.quantity = curvature_quantity(o.color_by);
-  if (o.color_range) by.range = curvature_range(*o.color_range, by.quantity, place.unit);
+  if (o.color_range) by.range = curvature_range(o.color_range->second, by.quantity, place.unit);
   by.curvature.noise = place.from_input(model.report().noise);
   progress.begin("curvature");
   std::unique_ptr<CurvatureColors> colors;

@@ -1,5 +1,4 @@
-#include "sansmesh/jobs/flow_lines.h"
-
+// Lines of an open flow.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,6 +7,9 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/option_text.h"
 #include "sansmesh/error.h"
+#include "sansmesh/flow.h"
+#include "sansmesh/flow/flow_lines.h"
+#include "sansmesh/jobs/flow_model.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -21,21 +23,21 @@ struct CarriedArray {
 
 std::vector<CarriedArray> carried_along(const FlowModel& flow, const std::string& carry) {
   if (carry == "none") return {};
-  const VolumeModel* const volume = flow.volume();
+  const std::optional<VolumeModel>& volume = flow.volume();
   if (!volume) throw ArgumentError("`carry` needs a steady flow of a file");
   std::vector<std::string> names;
   if (carry == "all")
-    for (const DatasetArray& array : volume->dataset().arrays()) names.push_back(array.name);
+    for (const DatasetArray& array : volume->arrays()) names.push_back(array.name);
   else
     names = between_commas(carry);
   std::vector<CarriedArray> arrays;
   arrays.reserve(names.size());
-  for (const std::string& name : names) arrays.push_back({name, volume->dataset().choose(name, "carry")});
+  for (const std::string& name : names) arrays.push_back({name, volume->choose(name, "carry")});
   return arrays;
 }
 
 /// Values of other arrays at the points.
-void carry_along(const std::vector<CarriedArray>& arrays, VolumeModel& volume, TraceLinesResult& result,
+void carry_along(const std::vector<CarriedArray>& arrays, const VolumeModel& volume, TraceLinesResult& result,
                  Progress& progress) {
   PolylineSet& lines = result.lines;
   progress.begin("carry arrays", arrays.size());
@@ -45,7 +47,7 @@ void carry_along(const std::vector<CarriedArray>& arrays, VolumeModel& volume, T
   for (const CarriedArray& array : arrays) {
     const auto field = volume.field(array.choice, progress, result.notes);
     std::vector<double> values(x.size() * field->components());
-    field->evaluate(x, {values, {}, {}, {}});
+    field->query({.points = x}, {.values = values});
     lines.attributes.set(array.name, std::vector<float>(values.begin(), values.end()), field->components());
     progress.advance();
   }
@@ -87,7 +89,7 @@ TraceLinesResult trace_lines_of(const FlowModel& flow, const TraceLinesOptions& 
     result.lines = flow_lines(flow.field(), seeds.points, lines, progress, &result.report);
     if (!arrays.empty()) carry_along(arrays, *flow.volume(), result, progress);
   } catch (const DataError& error) {
-    throw flow.error(error);
+    throw in_flow(flow, error);
   }
   for (Note& note : flow.step_notes()) result.notes.push_back(std::move(note));
   if (result.report.outside > 0)

@@ -7,18 +7,33 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <utility>
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/flow/analytic_flows.h"
+#include "sansmesh/dataset/volume_flow.h"
+#include "sansmesh/error.h"
+#include "sansmesh/flow.h"
 #include "sansmesh/flow/seed_curve.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/point_table.h"
 #include "sansmesh/jobs/flow_series.h"
 #include "sansmesh/jobs/volume_series.h"
+#include "sansmesh/jobs/volume_state.h"
+#include "sansmesh/jobs/with_name.h"
 
 namespace sansmesh::inline v1 {
+
+struct FlowModel::State {
+  std::shared_ptr<const VectorField> field;
+  std::string name, source, vectors = {};
+  bool unsteady = false;
+  std::optional<VolumeModel> volume = {};
+  std::vector<Note> notes = {};
+  std::function<std::vector<std::string>()> step_notes = {};  ///< of a series
+};
+
 namespace {
 
 constexpr double kGib = 1024.0 * 1024 * 1024;
@@ -38,8 +53,8 @@ bool is_formula(const std::string& name) {
 
 /// That of this name; of an empty one the first array of vectors. Throws DataError.
 ArrayChoice vectors_of(const VolumeModel& volume, const std::string& array) {
-  if (!array.empty()) return volume.dataset().choose(array);
-  const std::vector<DatasetArray>& arrays = volume.dataset().arrays();
+  if (!array.empty()) return volume.choose(array);
+  const std::vector<DatasetArray>& arrays = volume.arrays();
   for (const std::size_t components : {std::size_t{3}, std::size_t{2}})
     for (const DatasetArray& a : arrays)
       if (a.components == components) return {a.name, {}, false};
@@ -58,6 +73,65 @@ std::uint64_t usual_memory() {
   // Of a container; the file holds a word where there is no limit.
   if (double limit = 0; std::ifstream("/sys/fs/cgroup/memory.max") >> limit) most = std::min(most, limit);
   return whole_part<std::uint64_t>(most / 4);
+}
+
+/// The vectors of a volume.
+std::shared_ptr<FlowModel::State> steady_flow(const VolumeModel& volume, const std::string& array, Progress& progress) {
+  const ArrayChoice choice = vectors_of(volume, array);
+  const std::string &source = volume.name(), &vectors = choice.array;
+  auto flow = std::make_shared<FlowModel::State>(FlowModel::State{
+      .field = {}, .name = fmt::format("{} of {}", vectors, source), .source = source, .vectors = vectors});
+  flow->notes = volume.notes();
+  with_name(source, [&] { check_speeds(dataset_of(volume).array(vectors)); });
+  try {
+    flow->field = volume_flow(volume.field(choice, progress, flow->notes));
+  } catch (const ArgumentError& error) {
+    throw DataError(fmt::format("{}: {}: {}", source, vectors, error.what()));
+  }
+  flow->volume = volume;
+  return flow;
+}
+
+/// Steps that are read as they are needed.
+std::shared_ptr<FlowModel::State> flow_of_steps(const std::vector<std::string>& files,
+                                                const VolumeModelOptions& of_volume, const FlowModelOptions& options,
+                                                Progress& progress) {
+  // The first step says which array, which method and, of a file of several, when the others are.
+  const bool several = files.size() > 1;
+  if (!several && of_volume.read.time_step > 0)
+    throw ArgumentError("`time_step`: `unsteady` takes all steps of the file");
+  for (const std::string& file : files)
+    if (!std::filesystem::exists(file)) throw FileError(file, "no such file");
+  const VolumeModel volume = open_volume({files[0]}, of_volume, progress);
+  const ArrayChoice choice = vectors_of(volume, of_volume.array);
+  const DatasetArray array = dataset_of(volume).array(choice.array);
+  with_name(volume.name(), [&] { check_speeds(array); });
+  const std::string source = volume_name(files);
+  std::vector<double> times = several ? times_of_series(options.times, files.size()) : volume.times();
+  if (times.size() < 2)
+    throw FileError(source, "holds one step in time: nothing changes (it is a steady flow, without `unsteady`)");
+  auto flow = std::make_shared<FlowModel::State>(
+      FlowModel::State{.field = {},
+                       .name = fmt::format("{} of {}, {} steps", choice.array, source, times.size()),
+                       .source = source,
+                       .vectors = choice.array,
+                       .unsteady = true});
+  flow->notes = volume.notes();
+  FlowSeries series{files, of_volume.read, array, choice, {}, {}, dataset_of(volume).notes()};
+  series.first.field = volume.field(choice, progress, flow->notes);
+  series.first.bytes = volume.report().bytes;
+  series.method = volume.report().options;
+  const FlowStepReader reader = flow_step_reader(std::move(series));
+  flow->step_notes = reader.notes;
+  FlowSeriesOptions kept;
+  kept.interpolation = options.time_interpolation;
+  kept.memory = options.memory ? whole_part<std::uint64_t>(*options.memory * kGib) : usual_memory();
+  try {
+    flow->field = flow_in_time(std::move(times), reader.read, kept);
+  } catch (const ArgumentError& error) {
+    throw FileError(source, error.what());
+  }
+  return flow;
 }
 
 }  // namespace
@@ -83,67 +157,30 @@ const OptionSchema& FlowModelOptions::schema() {
 
 void FlowModelOptions::validate() const { validate_options(*this); }
 
-FlowModel::FlowModel(std::shared_ptr<const VectorField> field, std::string name)
-    : field_(std::move(field)), name_(std::move(name)), source_(name_) {}
+FlowModel::FlowModel(std::shared_ptr<const State> state) : state_(std::move(state)) {}
 
-FlowModel::FlowModel(VolumeModel opened, const std::string& array, Progress& progress)
-    : source_(opened.name()), volume_(std::make_shared<VolumeModel>(std::move(opened))) {
-  VolumeModel& volume = *volume_;
-  const ArrayChoice choice = vectors_of(volume, array);
-  vectors_ = choice.array;
-  name_ = fmt::format("{} of {}", vectors_, source_);
-  notes_ = volume.notes();
-  volume.naming([&] { check_speeds(volume.dataset().array(vectors_)); });
-  try {
-    field_ = volume_flow(volume.field(choice, progress, notes_));
-  } catch (const ArgumentError& error) {
-    throw DataError(fmt::format("{}: {}: {}", source_, vectors_, error.what()));
-  }
-}
+FlowModel::FlowModel(std::shared_ptr<const VectorField> field, std::string name)
+    : state_(std::make_shared<State>(State{.field = std::move(field), .name = name, .source = std::move(name)})) {}
+
+FlowModel::FlowModel(const VolumeModel& volume, const std::string& array, Progress& progress)
+    : state_(steady_flow(volume, array, progress)) {}
+
+const VectorField& FlowModel::field() const { return *state_->field; }
+const std::string& FlowModel::name() const { return state_->name; }
+const std::string& FlowModel::source() const { return state_->source; }
+const std::string& FlowModel::vectors() const { return state_->vectors; }
+bool FlowModel::unsteady() const { return state_->unsteady; }
+const std::optional<VolumeModel>& FlowModel::volume() const { return state_->volume; }
+const std::vector<Note>& FlowModel::opened_notes() const { return state_->notes; }
 
 std::vector<Note> FlowModel::step_notes() const {
   std::vector<Note> notes;
-  if (step_notes_) add_notes(notes, "steps", step_notes_(), source_);
+  if (state_->step_notes) add_notes(notes, "steps", state_->step_notes(), state_->source);
   return notes;
 }
 
-FlowModel FlowModel::series(const std::vector<std::string>& files, const VolumeModelOptions& of_volume,
-                            const FlowModelOptions& options, Progress& progress) {
-  // The first step says which array, which method and, of a file of several, when the others are.
-  const bool several = files.size() > 1;
-  if (!several && of_volume.read.time_step > 0)
-    throw ArgumentError("`time_step`: `unsteady` takes all steps of the file");
-  for (const std::string& file : files)
-    if (!std::filesystem::exists(file)) throw FileError(file, "no such file");
-  VolumeModel volume = open_volume({files[0]}, of_volume, progress);
-  const ArrayChoice choice = vectors_of(volume, of_volume.array);
-  const DatasetArray array = volume.dataset().array(choice.array);
-  volume.naming([&] { check_speeds(array); });
-  const std::string source = volume_name(files);
-  std::vector<double> times = several ? times_of_series(options.times, files.size()) : volume.dataset().times();
-  if (times.size() < 2)
-    throw FileError(source, "holds one step in time: nothing changes (it is a steady flow, without `unsteady`)");
-  FlowModel flow(nullptr, fmt::format("{} of {}, {} steps", choice.array, source, times.size()));
-  flow.source_ = source, flow.vectors_ = choice.array, flow.unsteady_ = true, flow.notes_ = volume.notes();
-  FlowSeries series{files, of_volume.read, array, choice, {}, {}, volume.dataset().notes()};
-  series.first.field = volume.field(choice, progress, flow.notes_);
-  series.first.bytes = volume.report().bytes;
-  series.method = volume.report().options;
-  const FlowStepReader reader = flow_step_reader(std::move(series));
-  flow.step_notes_ = reader.notes;
-  FlowSeriesOptions kept;
-  kept.interpolation = options.time_interpolation;
-  kept.memory = options.memory ? whole_part<std::uint64_t>(*options.memory * kGib) : usual_memory();
-  try {
-    flow.field_ = flow_in_time(std::move(times), reader.read, kept);
-  } catch (const ArgumentError& error) {
-    throw FileError(source, error.what());
-  }
-  return flow;
-}
-
 Seeds FlowModel::seeds(const std::string& text, std::size_t usual, std::vector<Note>& notes) const {
-  Seeds seeds = parse_seeds(text.empty() ? fmt::format("box({})", usual) : text, field_->bounds());
+  Seeds seeds = parse_seeds(text.empty() ? fmt::format("box({})", usual) : text, field().bounds());
   if (seeds.file.empty()) return seeds;
   if (seeds.mesh) {
     const TriangleMesh surface = read_mesh(seeds.file);
@@ -175,25 +212,24 @@ Seeds FlowModel::seed_curve(const std::string& text, std::vector<Note>& notes) c
   return seeds;
 }
 
-DataError FlowModel::error(const DataError& error) const {
-  const Box3 box = field_->bounds();
+DataError in_flow(const FlowModel& flow, const DataError& error) {
+  const Box3 box = flow.field().bounds();
   return DataError(fmt::format("{}: {} (it lies between ({:.6g}, {:.6g}, {:.6g}) and ({:.6g}, {:.6g}, {:.6g}))",
-                               source_, error.what(), box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y,
-                               box.upper.z));
+                               flow.source(), error.what(), box.lower.x, box.lower.y, box.lower.z, box.upper.x,
+                               box.upper.y, box.upper.z));
 }
 
 FlowModel open_flow(const std::vector<std::string>& files, const VolumeModelOptions& volume,
                     const FlowModelOptions& options, Progress& progress) {
   options.validate();
   if (files.size() == 1 && is_formula(files[0])) {
-    FlowModel flow(analytic_flow(files[0]), files[0] + " (formula)");
-    flow.source_ = files[0];
-    return flow;
+    return FlowModel(std::make_shared<const FlowModel::State>(
+        FlowModel::State{.field = analytic_flow(files[0]), .name = files[0] + " (formula)", .source = files[0]}));
   }
   if (files.size() == 1 && !std::filesystem::exists(files[0]) && files[0].find_first_of("./") == std::string::npos)
     throw FileError(files[0], "no such file, and no flow by formula: " + flow_names());
   if (!options.times.empty() && files.size() < 2) throw ArgumentError("`times` needs several files");
-  if (options.unsteady) return FlowModel::series(files, volume, options, progress);
+  if (options.unsteady) return FlowModel(flow_of_steps(files, volume, options, progress));
   return {open_volume(files, volume, progress), volume.array, progress};
 }
 

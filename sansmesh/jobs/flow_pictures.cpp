@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/flow_pictures.h"
+#include "sansmesh/flow_pictures.h"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,13 @@
 #include <utility>
 
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/flow_model.h"
 #include "sansmesh/jobs/volume_subject.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/arrows.h"
+#include "sansmesh/render/flow_texture.h"
 #include "sansmesh/render/picture_notes.h"
+#include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/volume_picture.h"
 
@@ -81,22 +85,24 @@ TriangleMesh arrows_on(const FlowSurface& surface, double spacing) {
 /// The volume that the surface stands in: seen through, with iso-surfaces.
 class VolumeAround {
  public:
-  VolumeAround(const FlowPictureOptions& o, VolumeModel& volume, std::vector<Note>& notes, Progress& progress)
+  VolumeAround(const FlowPictureOptions& o, const VolumeModel& volume, const std::string& vectors,
+               std::vector<Note>& notes, Progress& progress)
       : samples_(volume.samples(progress)) {
-    const std::string name = o.volume.empty() ? volume.choice().array : o.volume;
-    field_ = volume.field(volume.scalar_choice(name, "volume"), progress, notes);
+    // Of vectors as a scalar the length: the speed.
+    const std::string name = o.volume_array.empty() ? vectors : o.volume_array;
+    field_ = volume.field(volume.scalar_choice(name, "volume_array"), progress, notes);
     options_.color_title = name;
-    options_.color_bar = o.bar && !o.volume.empty() && o.volume_opacity > 0;
-    options_.opacity_scale = o.volume.empty() ? 0 : o.volume_opacity;
+    options_.color_bar = o.bar && !o.volume_array.empty() && o.opacity_factor > 0;
+    options_.opacity_factor = o.volume_array.empty() ? 0 : o.opacity_factor;
     options_.isos = o.isos;
     options_.validate();
     VolumeSubject subject = volume_subject(*samples_, boundary_);
     subject.field = field_.get();
     subject.image = false;
-    volume.naming([&] { picture_.emplace(std::move(subject), progress); });
+    with_name(volume.name(), [&] { picture_.emplace(std::move(subject), progress); });
     const ValueHistogram& values = picture_->histogram();
-    options_.transfer = o.volume_preset.empty() ? suggest_transfer_function(values, false).function
-                                                : transfer_function_preset(o.volume_preset, values);
+    options_.transfer = o.preset.empty() ? suggest_transfer_function(values, false).function
+                                         : transfer_function_preset(o.preset, values);
   }
   Image render(const RenderOptions& picture, std::vector<PictureSurface> surfaces, Progress& progress) {
     options_.picture = picture;
@@ -122,11 +128,12 @@ class SurfacePictures {
   SurfacePictures(const FlowModel& flow, const FlowPictureOptions& options, Progress& progress)
       : flow_(flow), options_(options), picture_(options.picture), progress_(progress) {
     const std::optional<ArrayChoice> color = color_array(flow, options.color_by);
-    if (options.in_volume()) around_ = std::make_unique<VolumeAround>(options, *flow.volume(), result_.notes, progress);
+    if (options.in_volume())
+      around_ = std::make_unique<VolumeAround>(options, *flow.volume(), flow.vectors(), result_.notes, progress);
     TraceSurfaceResult traced = trace_surface(flow, options.trace, progress);
     for (Note& note : traced.notes) result_.notes.push_back(std::move(note));
     surface_ = std::move(traced.surface);
-    if (surface_.mesh.triangles.empty()) throw flow.error(DataError("the surface is empty"));
+    if (surface_.mesh.triangles.empty()) throw in_flow(flow, DataError("the surface is empty"));
     result_.surface = surface_.report;
     Box3 box;
     for (const FlowPoint& p : surface_.points) places_.push_back(p.position), box.extend(p.position);
@@ -150,7 +157,7 @@ class SurfacePictures {
     RenderOptions picture = picture_;
     picture.view.direction.azimuth += std::remainder(options_.turn * share, 360);
     FlowLook of_surface{.texture = std::nullopt, .opacity = options_.opacity, .splats = options_.splats};
-    if (!options_.smooth) of_surface.texture = options_.streaks;
+    if (options_.textured) of_surface.texture = options_.streaks;
     if (of_surface.texture && options_.frames) of_surface.texture->phase = share;
     std::vector<PictureSurface> surfaces = beside_;
     surfaces.push_back(sheet_->surface(of_surface));
@@ -173,7 +180,7 @@ class SurfacePictures {
     if (by == "none") return values;
     values.resize(surface_.points.size());
     if (array) {
-      flow_.volume()->field(*array, progress_, result_.notes)->evaluate(places_, {values, {}, {}, {}});
+      flow_.volume()->field(*array, progress_, result_.notes)->query({.points = places_}, {.values = values});
       return values;
     }
     std::transform(surface_.points.begin(), surface_.points.end(), values.begin(), [&](const FlowPoint& p) {
@@ -242,7 +249,9 @@ const OptionSchema& FlowPictureOptions::schema() {
   using O = FlowPictureOptions;
   static const OptionRow rows[] = {
       option_group<&O::trace>(TraceSurfaceOptions::schema().rows),
-      option<&O::smooth>({.text = "Without streaks along the flow (line integral convolution)"}),
+      option<&O::textured>({.text = "Without streaks along the flow (line integral convolution)",
+                            .name = "streaks",
+                            .old_name = "smooth"}),
       option_group<&O::streaks>(FlowTextureOptions::schema().rows),
       option<&O::splats>({.text = "Particles as discs that blend, as in the source, not the mesh"}),
       option<&O::opacity>(
@@ -259,13 +268,17 @@ const OptionSchema& FlowPictureOptions::schema() {
                         .unit = "degrees",
                         .range = {-kMostTurn, kMostTurn},
                         .needs = "frames"}),
-      option<&O::volume>({.text = "Array that is seen through around it", .unit = "name"}),
-      option<&O::volume_preset>({.text = "Its colours and opacities, as of pictures of volumes",
-                                 .unit = "name",
-                                 .needs = "volume",
-                                 .usual_words = transfer_function_presets()}),
-      option<&O::volume_opacity>(
-          {.text = "Multiplies its opacity", .unit = "factor", .range = {0, 1000}, .needs = "volume"}),
+      option<&O::volume_array>({.text = "Array that is seen through around it", .unit = "name", .old_name = "volume"}),
+      option<&O::preset>({.text = "Its colours and opacities, as of pictures of volumes",
+                          .unit = "name",
+                          .needs = "volume_array",
+                          .usual_words = transfer_function_presets(),
+                          .old_name = "volume_preset"}),
+      option<&O::opacity_factor>({.text = "Multiplies its opacity",
+                                  .unit = "factor",
+                                  .range = {0, 1000},
+                                  .needs = "volume_array",
+                                  .old_name = "volume_opacity"}),
       option<&O::isos>({.text = "Surface of a value of that array (else of the speed): V, V:#rrggbb, "
                                 "V:#rrggbb:OPACITY; may be repeated",
                         .unit = "value",
@@ -284,14 +297,15 @@ void FlowPictureOptions::validate() const {
   validate_options(schema(), this, &usual);
   picture.validate();
   if (const auto known = transfer_function_presets();
-      !volume_preset.empty() && std::find(known.begin(), known.end(), volume_preset) == known.end())
-    throw ArgumentError(ArgumentFault{.field = "volume_preset",
-                                      .value = "'" + printable(volume_preset, 60) + "'",
+      !preset.empty() && std::find(known.begin(), known.end(), preset) == known.end())
+    throw ArgumentError(ArgumentFault{.field = "preset",
+                                      .value = "'" + printable(preset, 60) + "'",
                                       .allowed = fmt::format("one of {}", fmt::join(known, ", ")),
                                       .remedy = {}});
-  if (smooth && !options_set(streaks).empty())
-    throw ArgumentError(fmt::format("`{}` means nothing with `smooth`", options_set(streaks)[0]));
-  if (frames && smooth && turn == 0) throw ArgumentError("`frames` moves streaks: with `smooth` it needs `turn`");
+  if (!textured && !options_set(streaks).empty())
+    throw ArgumentError(fmt::format("`{}` means nothing with `streaks = false`", options_set(streaks)[0]));
+  if (frames && !textured && turn == 0)
+    throw ArgumentError("`frames` moves streaks: with `streaks = false` it needs `turn`");
   if ((!label.empty() || !unit.empty()) && (!bar || color_by == "none"))
     throw ArgumentError(
         "`label` and `unit` stand at the colour bar: not with `bar = false`, nor with `color_by = none`");
@@ -299,7 +313,7 @@ void FlowPictureOptions::validate() const {
 
 void check_colors(const FlowModel& flow, const FlowPictureOptions& options) {
   if (options.in_volume() && !flow.volume())
-    throw ArgumentError("`volume` and `iso` need a flow of a file, and a steady one");
+    throw ArgumentError("`volume_array` and `iso` need a flow of a file, and a steady one");
   color_array(flow, options.color_by);
 }
 
@@ -314,7 +328,7 @@ FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions
       try {
         return pictures.at(k);
       } catch (const DataError& error) {
-        throw flow.error(error);
+        throw in_flow(flow, error);
       }
     }();
     use(static_cast<std::size_t>(k), image, pictures.picture());

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/read_volume.h"
 

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "sansmesh/dataset/volume_flow.h"
-#include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/volume_options.h"
+#include "sansmesh/volume_read_options.h"
 
 namespace sansmesh::inline v1 {
 

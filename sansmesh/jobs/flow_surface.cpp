@@ -1,11 +1,13 @@
-#include "sansmesh/jobs/flow_surface.h"
-
+// Surfaces of an open flow from a seed curve.
 #include <fmt/core.h>
 
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
+#include "sansmesh/flow.h"
+#include "sansmesh/flow/flow_surface.h"
+#include "sansmesh/jobs/flow_model.h"
 
 namespace sansmesh::inline v1 {
 
@@ -32,7 +34,7 @@ TraceSurfaceResult trace_surface(const FlowModel& flow, const TraceSurfaceOption
   try {
     result.surface = flow_surface(flow.field(), {seeds.points, seeds.closed}, o, progress);
   } catch (const DataError& error) {
-    throw flow.error(error);
+    throw in_flow(flow, error);
   }
   for (Note& note : flow.step_notes()) result.notes.push_back(std::move(note));
   const auto note = [&](const char* code, std::string text, const char* remedy = "") {

@@ -1,5 +1,4 @@
-#include "sansmesh/jobs/isosurface.h"
-
+// The surface on which a quantity of a volume has a value, as a mesh.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,7 +8,11 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/option_text.h"
+#include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/error.h"
+#include "sansmesh/isosurfaces.h"
+#include "sansmesh/jobs/volume_state.h"
+#include "sansmesh/jobs/with_name.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -18,7 +21,7 @@ namespace {
 std::vector<std::string> arrays_to_carry(const VolumeModel& volume, const std::string& carry) {
   std::vector<std::string> wanted;
   if (carry == "none") return wanted;
-  const VolumeDataset& dataset = volume.dataset();
+  const VolumeDataset& dataset = dataset_of(volume);
   if (carry == "all") {
     for (const DatasetArray& array : dataset.arrays())
       if (array.of == volume.array().of && array.name != volume.choice().array) wanted.push_back(array.name);
@@ -30,7 +33,7 @@ std::vector<std::string> arrays_to_carry(const VolumeModel& volume, const std::s
 }
 
 /// Interpolated in the grid's own way; whole numbers, which are labels, as they are.
-void carry_along(const std::vector<std::string>& wanted, VolumeModel& volume, VolumeIsosurfaceResult& result,
+void carry_along(const std::vector<std::string>& wanted, const VolumeModel& volume, VolumeIsosurfaceResult& result,
                  Progress& progress) {
   TriangleMesh& mesh = result.mesh;
   std::vector<Vec3> x;
@@ -38,10 +41,12 @@ void carry_along(const std::vector<std::string>& wanted, VolumeModel& volume, Vo
   for (const Vec3f& v : mesh.vertices) x.push_back(mesh.origin + Vec3(v));
   for (const std::string& name : wanted) {
     ReconstructionOptions options;
-    options.method = is_real(volume.dataset().array(name).type) ? "linear" : "nearest";
-    const auto field = volume.naming([&] { return volume.dataset().field({name, {}, false}, options, progress); });
+    options.method = is_real(dataset_of(volume).array(name).type) ? "linear" : "nearest";
+    const auto field = with_name(volume.name(), [&] {
+      return dataset_of(volume).field({name, {}, false}, options, progress);
+    });
     std::vector<double> values(x.size() * field->components());
-    field->evaluate(x, {values, {}, {}, {}});
+    field->query({.points = x}, {.values = values});
     constexpr double kMost = std::numeric_limits<float>::max();
     if (std::any_of(values.begin(), values.end(), [](double v) { return std::abs(v) > kMost; })) {
       result.notes.push_back(
@@ -72,7 +77,8 @@ void VolumeIsosurfaceOptions::validate() const {
   mesh.validate();
 }
 
-VolumeIsosurfaceResult isosurface(VolumeModel& volume, const VolumeIsosurfaceOptions& options, Progress& progress) {
+VolumeIsosurfaceResult isosurface(const VolumeModel& volume, const VolumeIsosurfaceOptions& options,
+                                  Progress& progress) {
   options.validate();
   const std::shared_ptr<const SampledVolume> samples = volume.samples(progress);
   VolumeIsosurfaceResult result;
@@ -80,7 +86,7 @@ VolumeIsosurfaceResult isosurface(VolumeModel& volume, const VolumeIsosurfaceOpt
   r.value = volume.value_or_middle(options.value);
   const std::vector<std::string> wanted = arrays_to_carry(volume, options.carry);
   const auto surface = volume.isosurface(r.value, progress, result.notes);
-  result.mesh = volume.naming([&] { return mesh_isosurface(*surface, options.mesh, progress, &r.mesh); });
+  result.mesh = with_name(volume.name(), [&] { return mesh_isosurface(*surface, options.mesh, progress, &r.mesh); });
   progress.begin("carry arrays");
   carry_along(wanted, volume, result, progress);
   add_notes(result.notes, "mesh", r.mesh.warnings, volume.name());

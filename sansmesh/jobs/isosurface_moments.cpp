@@ -1,5 +1,4 @@
-#include "sansmesh/jobs/isosurface_moments.h"
-
+// The surface on which a quantity of a volume that changes has a value, as meshes at many moments.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/dataset/isosurface_in_time.h"
 #include "sansmesh/error.h"
+#include "sansmesh/isosurfaces.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/simplify.h"
 #include "sansmesh/mesh_measures.h"
@@ -21,11 +21,11 @@ namespace {
 /// Default mesh error in spacings, as of surfaces of one moment.
 constexpr double kMomentError = 0.02;
 
-std::unique_ptr<IsosurfaceInTime> field_in_time(VolumeSeries& series, double value, std::vector<Note>& notes,
+std::unique_ptr<IsosurfaceInTime> field_in_time(const VolumeSeries& series, double value, std::vector<Note>& notes,
                                                 Progress& progress) {
   std::vector<IsosurfaceStep> steps;
   for (std::size_t i = 0; i < series.steps.size(); ++i) {
-    VolumeModel& v = series.steps[i];
+    const VolumeModel& v = series.steps[i];
     steps.push_back({series.times[i], v.samples(progress), v.field(progress, notes),
                      [&v](std::size_t n) { return v.sample_value(n); }});
   }
@@ -80,7 +80,7 @@ std::size_t moment_count(const VolumeSeries& series, const IsosurfaceMomentsOpti
   return moments.frames.value_or(series.steps.size());
 }
 
-IsosurfaceMomentsResult isosurface_moments(VolumeSeries& series, const VolumeIsosurfaceOptions& options,
+IsosurfaceMomentsResult isosurface_moments(const VolumeSeries& series, const VolumeIsosurfaceOptions& options,
                                            const IsosurfaceMomentsOptions& moments,
                                            const std::function<void(std::size_t, const TriangleMesh&)>& use,
                                            Progress& progress) {

@@ -7,13 +7,12 @@
 #include <numbers>
 #include <utility>
 
-#include "sansmesh/dynamics/soft_body_options.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/dynamics/tet_map.h"
 #include "sansmesh/field/deformed_volume.h"
-#include "sansmesh/jobs/motion.h"
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/volume_picture.h"
+#include "sansmesh/simulate.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -103,7 +102,7 @@ struct MotionPictures::State {
   std::optional<CarriedVolume> volume;
   RenderOptions options;
   std::vector<Note> notes;
-  std::shared_ptr<const Motion> motion;
+  Motion motion;
   std::vector<Vec3> framed;
   std::vector<TriangleMesh> obstacles;
   TriangleMesh boundary;  ///< of the volume in the frame that is drawn
@@ -132,17 +131,17 @@ MotionPictures& MotionPictures::operator=(MotionPictures&&) noexcept = default;
 
 const std::vector<Note>& MotionPictures::notes() const { return state_->notes; }
 
-void MotionPictures::show(std::shared_ptr<const Motion> motion, const DynamicsScene& scene) {
+void MotionPictures::show(Motion motion, const DynamicsScene& scene) {
   State& s = *state_;
   s.motion = std::move(motion);
   FarthestPoints farthest;
   Box3 box;
-  for (std::size_t frame = 0; frame < s.motion->frames(); ++frame) {
+  for (std::size_t frame = 0; frame < s.motion.frames(); ++frame) {
     if (s.surface) {
-      const TriangleMesh m = s.surface->at(*s.motion, frame);
+      const TriangleMesh m = s.surface->at(s.motion, frame);
       for (const Vec3f& p : m.vertices) farthest.add(m.origin + Vec3(p));
     } else {
-      for (const Vec3& p : s.motion->positions(frame)) farthest.add(p);
+      for (const Vec3& p : s.motion.positions(frame)) farthest.add(p);
     }
   }
   for (const Vec3& p : farthest.points()) box.extend(p);
@@ -175,12 +174,12 @@ Image MotionPictures::draw(std::size_t frame, Progress& progress) {
   colored.look.wireframe = PictureLook::Wireframe::none;
   surfaces.reserve(s.obstacles.size() + 1);
   for (const TriangleMesh& m : s.obstacles) surfaces.push_back(surface_in_picture(m, colored));
-  if (s.surface) surfaces.push_back(surface_in_picture(s.surface->at(*s.motion, frame), s.options));
+  if (s.surface) surfaces.push_back(surface_in_picture(s.surface->at(s.motion, frame), s.options));
   if (!s.volume) return render_surfaces(surfaces, s.framed, false, s.options, progress);
-  const std::vector<Vec3> x = s.motion->positions(frame);
+  const std::vector<Vec3> x = s.motion.positions(frame);
   Box3 box;
   for (const Vec3& p : x) box.extend(p);
-  s.boundary.origin = s.motion->origin();
+  s.boundary.origin = s.motion.origin();
   for (std::size_t k = 0; k < s.sources.size(); ++k)
     s.boundary.vertices[k] = Vec3f(x[s.sources[k]] - s.boundary.origin);
   const DeformedVolume field(s.volume->field, std::make_shared<TetMap>(s.rest->tets, x, s.rest->vertices), box, box);

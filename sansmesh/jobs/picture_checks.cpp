@@ -34,7 +34,7 @@ void check_meshless(const PictureOptions& o, bool function, bool meshless) {
             {"wireframe", s.picture.look.wireframe != PictureLook::Wireframe::none}},
            "is for meshes and points, not for surfaces without a mesh");
   else
-    refuse({{"plain", s.plain},
+    refuse({{"quick", s.plain},
             {"exact_shadows", s.exact_shadows},
             {"reflection", s.reflection != 0},
             {"transmission", s.transmission != 0},
@@ -45,9 +45,8 @@ void check_meshless(const PictureOptions& o, bool function, bool meshless) {
 void check_colors(const PictureOptions& o, std::size_t objects, bool meshless, bool of_objects) {
   // Of meshes and points it is the name of an attribute as well.
   const bool by_confidence = o.color_by == kConfidence, by_curvature = meshless && is_curvature(o.color_by);
-  if (o.color_range && !by_curvature) throw ArgumentError("`color_range` is for curvatures");
-  if (o.value_range && by_curvature)
-    throw ArgumentError("`value_range` is for attributes: `color_range` is for curvatures");
+  if (o.color_range && by_curvature && o.color_range->first != -o.color_range->second)
+    throw ArgumentError("`color_range` of curvatures is one number, for both signs");
   if (o.color_by.empty()) return;
   if (objects != 1) throw ArgumentError("`color_by` is for one object: `as_one` makes one of several files");
   if (of_objects) throw ArgumentError("`color_by` with `frames` needs `surface`");

@@ -7,6 +7,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/given_options.h"
 #include "sansmesh/jobs/picture_checks.h"
+#include "sansmesh/model/surface_method.h"
 #include "sansmesh/render/color_words.h"
 
 namespace sansmesh::inline v1 {
@@ -15,14 +16,20 @@ namespace {
 constexpr std::string_view kRayStarts[] = {"march", "stored"};
 constexpr double kMostSplatsAsked = 1e8, kMostPictures = 1e5;
 
-/// Two numbers, LOW,HIGH.
-struct ValueRangeWords {
+/// Two numbers, LOW,HIGH, or one that stands for -R,R.
+struct ColorRangeWords {
   static constexpr auto kind = OptionKind::numbers;
-  static constexpr int count = 2;
+  static constexpr int count = 0;
   static OptionValue get(const std::pair<double, double>& v) { return std::vector<double>{v.first, v.second}; }
   static std::pair<double, double> from(const OptionValue& value) {
     const auto& v = std::get<std::vector<double>>(value);
-    return {v.at(0), v.at(1)};
+    if (v.size() == 1) return {-v[0], v[0]};
+    if (v.size() != 2)
+      throw ArgumentError(ArgumentFault{.field = {},
+                                        .value = std::to_string(v.size()) + " numbers",
+                                        .allowed = "a number or LOW,HIGH",
+                                        .remedy = {}});
+    return {v[0], v[1]};
   }
 };
 
@@ -55,7 +62,7 @@ void check_translucent(const PictureOptions& o) {
   if (!o.color_by.empty()) throw ArgumentError("`color_by` does not go with `opacity`");
   refuse({{"lines", o.look.picture.look.lines != PictureLook::Lines::none},
           {"accessibility", o.look.picture.look.accessibility.has_value()},
-          {"plain", o.look.plain},
+          {"quick", o.look.plain},
           {"exact_shadows", o.look.exact_shadows}},
          "is for what is opaque: it does not go with `opacity` below 1");
 }
@@ -63,12 +70,12 @@ void check_translucent(const PictureOptions& o) {
 void check_splats_and_rays(const PictureOptions& o) {
   const SurfaceRenderOptions& s = o.look;
   if (s.plain && s.picture.look.accessibility)
-    throw ArgumentError("`plain` casts no rays around places, as `accessibility` does");
+    throw ArgumentError("`quick` casts no rays around places, as `accessibility` does");
   if (s.plain)
     refuse({{"antialiasing",
              s.picture.quality.samples != RenderOptions().quality.samples && s.picture.quality.samples != 1},
             {"exact_shadows", s.exact_shadows}},
-           "does not go with `plain`, which has one ray per pixel and no shadows");
+           "does not go with `quick`, which has one ray per pixel and no shadows");
   if (o.splats)
     refuse({{"opacity", o.translucent()},
             {"reflection", s.reflection != 0},
@@ -81,10 +88,10 @@ void check_splats_and_rays(const PictureOptions& o) {
 
 void check_values(const PictureOptions& o) {
   const bool by_confidence = o.color_by == kConfidence;
-  if (o.value_range && (o.color_by.empty() || by_confidence))
-    throw ArgumentError("`value_range` is for attributes: `color_by` their name");
-  if (o.value_range && !(o.value_range->first < o.value_range->second))
-    throw ArgumentError("`value_range` must be LOW,HIGH");
+  if (o.color_range && (o.color_by.empty() || by_confidence))
+    throw ArgumentError("`color_range` is for attributes and curvatures: `color_by` their name");
+  if (o.color_range && !(o.color_range->first < o.color_range->second))
+    throw ArgumentError("`color_range` must be LOW,HIGH, or one positive number");
   if (!o.unit.empty() && (o.color_by.empty() || by_confidence || !o.bar))
     throw ArgumentError("`unit` stands at the colour bar of `color_by`");
   if (!o.color_by.empty() && !o.colors.empty()) throw ArgumentError("`color` and `color_by` exclude each other");
@@ -131,16 +138,13 @@ const OptionSchema& PictureOptions::schema() {
                                     "mean, gaussian, k1 or k2 curvature (red convex, blue concave); confidence (red "
                                     "where no samples are)",
                             .unit = "quantity"}),
-      option<&O::value_range, ValueRangeWords>(
-          {.text = "Of an attribute: values with the colours at the ends of the bar",
-           .unit = "low,high",
-           .from_data = "from data"}),
+      option<&O::color_range, ColorRangeWords>(
+          {.text = "Values with the colours at the ends of the bar: LOW,HIGH, or R for -R,R; of curvatures R, in "
+                   "1/length or, for gaussian, 1/length²",
+           .from_data = "from data",
+           .old_name = "value_range"}),
       option<&O::bar>({.text = "Without the colour bar"}),
       option<&O::unit>({.text = "Of the attribute, or of lengths in curvatures, at the colour bar", .unit = "unit"}),
-      option<&O::color_range>({.text = "Curvature that gets the full colour, 1/length or, for gaussian, 1/length²",
-                               .unit = "value",
-                               .from_data = "from data",
-                               .range = positive()}),
       option<&O::rays>({.text = "levin, alexa, curvature: march through the balls around the samples, or start from "
                                 "polynomials stored with them",
                         .unit = "choice",

@@ -1,5 +1,4 @@
-#include "sansmesh/jobs/plan_simulation.h"
-
+// Simulations, planned.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,7 +9,11 @@
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/dynamics/scene_script.h"
 #include "sansmesh/dynamics/suited_options.h"
+#include "sansmesh/dynamics/tet_geometry.h"
+#include "sansmesh/error.h"
+#include "sansmesh/simulate.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -1,11 +1,11 @@
-#include "sansmesh/jobs/probe_volume.h"
-
+// Values and gradients of a volume at points.
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <iterator>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -28,7 +28,7 @@ std::string csv_name(const std::string& name) {
 
 }  // namespace
 
-ProbeResult probe_volume(VolumeModel& volume, std::span<const Vec3> points, Progress& progress) {
+ProbeResult probe_volume(const VolumeModel& volume, std::span<const Vec3> points, Progress& progress) {
   ProbeResult result;
   const auto field = volume.field(progress, result.notes);
   progress.begin("probe");
@@ -36,7 +36,7 @@ ProbeResult probe_volume(VolumeModel& volume, std::span<const Vec3> points, Prog
   result.points.assign(points.begin(), points.end());
   result.names = component_names(volume.array_name(), components);
   result.values.resize(n * components), result.gradients.resize(n * components), result.inside.resize(n);
-  field->evaluate(result.points, {result.values, result.gradients, result.inside, {}});
+  field->query({.points = result.points}, {result.values, result.gradients, result.inside});
   result.report.reconstruction = volume.report();
   result.report.inside = static_cast<std::size_t>(std::count(result.inside.begin(), result.inside.end(), 1));
   if (n > 0 && result.report.inside == 0) {

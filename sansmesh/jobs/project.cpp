@@ -66,14 +66,14 @@ PointSet on_surface(ProjectInput& input, const ProjectOptions& o, ProjectResult&
     result.report.method = model.report().method;
     add_notes(result.notes, "surface", model.warnings(), of);
     SurfaceProjection& moved = result.report.moved;
-    return o.points ? resample_surface(model, *o.points, o.steps, progress, &moved)
-                    : project_points(input.points, model, o.steps, progress, &moved);
+    return o.point_count ? resample_surface(model, *o.point_count, o.steps, progress, &moved)
+                         : project_points(input.points, model, o.steps, progress, &moved);
   });
 }
 
 PointSet consolidated(const ProjectInput& input, const ProjectOptions& o, ProjectReport& report, Progress& progress) {
   LopOptions lop = o.lop;
-  lop.points = o.points;
+  lop.points = o.point_count;
   report.method = kLop;
   PointSet points = with_name(input.name, [&] { return consolidate(input.points, lop, progress); });
   report.moved.projected = points.size();
@@ -88,9 +88,11 @@ const OptionSchema& ProjectOptions::schema() {
                                      SurfaceMethod::registry().names();
   static const OptionRow rows[] = {
       option<&O::method, ListedWords<project_methods>>({.text = methods, .unit = "name", .choices = project_methods()}),
-      option<&O::points>({.text = "Spread about this many new points over the surface instead of moving those given",
-                          .unit = "count",
-                          .range = {1, kMostPoints}}),
+      option<&O::point_count>(
+          {.text = "Spread about this many new points over the surface instead of moving those given",
+           .unit = "count",
+           .range = {1, kMostPoints},
+           .old_name = "points"}),
       option_group<&O::steps>(ProjectToSurface::schema().rows), option_group<&O::lop>(LopOptions::schema().rows)};
   static const OptionSchema schema{rows};
   return schema;

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/read_cut.h"
+#include "sansmesh/deform.h"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,4 @@
-#include "sansmesh/jobs/read_deformation.h"
-
+// A deformation from files: handles, two registered meshes, or a map of displacements.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -8,11 +7,12 @@
 #include <utility>
 
 #include "sansmesh/core/option_text.h"
+#include "sansmesh/deform.h"
 #include "sansmesh/deform/handle_file.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/read_volume.h"
-#include "sansmesh/jobs/read_cut.h"
+#include "sansmesh/jobs/deform_parts.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -74,11 +74,11 @@ std::vector<Handle> pair_handles(const DeformationInput& input) {
   }
 }
 
-std::shared_ptr<const DisplacementMap> read_map(const std::string& file) {
+Deformation read_map(const std::string& file) {
   const GridData data = read_volume(file);
   if (data.blocks.size() != 1) throw FileError(file, "a displacement map is a single lattice");
   try {
-    return std::make_shared<const DisplacementMap>(displacement_map_of(data.blocks[0]));
+    return Deformation(data.blocks[0], file);
   } catch (const DataError& error) {
     throw FileError(file, error.what());
   } catch (const ArgumentError& error) {
@@ -132,7 +132,7 @@ void DeformationInput::validate() const {
 Deformation read_deformation(const DeformationInput& input, Progress& progress) {
   input.validate();
   progress.begin("read");
-  if (!input.map.empty()) return Deformation(read_map(input.map), input.map);
+  if (!input.map.empty()) return read_map(input.map);
   const bool pair = input.handles.empty();
   std::vector<Handle> handles = pair ? pair_handles(input) : read_handles(input.handles);
   Box3 domain;

@@ -83,7 +83,7 @@ std::optional<ColorBar> color_mesh(TriangleMesh& mesh, const PictureOptions& o, 
   if (is_curvature(o.color_by) && !mesh.attributes.find(o.color_by))
     throw ArgumentError("`color_by` of curvatures needs `surface`, or a file that has them as attributes");
   picture.look.shadows = picture.look.ground = false;  // colours are to be read
-  return color_by_attribute(mesh, o.color_by, o.value_range, o.unit);
+  return color_by_attribute(mesh, o.color_by, o.color_range, o.unit);
 }
 
 void draw_mesh(PictureObject object, const PictureOptions& o, const UsePicture& use, RenderResult& result,

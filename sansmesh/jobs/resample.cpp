@@ -1,15 +1,19 @@
-#include "sansmesh/jobs/resample.h"
-
+// A volume on a uniform grid.
 #include <algorithm>
 #include <cstdint>
 
+#include "sansmesh/dataset/resample_volume.h"
+#include "sansmesh/jobs/with_name.h"
+#include "sansmesh/volumes.h"
+
 namespace sansmesh::inline v1 {
 
-ResampleResult resample(VolumeModel& volume, const ResampleOptions& options, Progress& progress) {
+ResampleResult resample(const VolumeModel& volume, const ResampleOptions& options, Progress& progress) {
   options.validate();
   ResampleResult result;
   const auto field = volume.field(progress, result.notes);
-  result.block = volume.naming([&] { return resample_volume(*field, volume.array_name(), options, progress); });
+  result.block =
+      with_name(volume.name(), [&] { return resample_volume(*field, volume.array_name(), options, progress); });
   const AttributeTable& arrays = result.block.point_arrays;
   const auto& inside = *arrays[arrays.size() - 1].as<std::uint8_t>();
   result.report.reconstruction = volume.report();

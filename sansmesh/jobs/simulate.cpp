@@ -1,5 +1,4 @@
-#include "sansmesh/jobs/simulate.h"
-
+// A body of tetrahedra that moves by forces.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -9,6 +8,9 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/dynamics/scene_script.h"
+#include "sansmesh/dynamics/soft_body.h"
+#include "sansmesh/simulate.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -80,8 +82,8 @@ void move(SoftBody& body, const SimulationPlan& plan, bool moments, Motion& moti
 }  // namespace
 
 SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool moments, Progress& progress) {
-  const auto motion = std::make_shared<Motion>(plan.rest, kept);
-  if (const double bytes = motion->bytes(plan.frames); bytes > kMostBytes)
+  Motion motion(plan.rest, kept);
+  if (const double bytes = motion.bytes(plan.frames); bytes > kMostBytes)
     throw ArgumentError(fmt::format("{} frames of {} vertices are {:.1f} GB: fewer `frames`", grouped(plan.frames),
                                     grouped(plan.rest->vertices.size()), 1e-9 * bytes));
   SimulateResult result;
@@ -92,9 +94,9 @@ SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool
   r.first = body.energies();
   r.shortest_step = std::numeric_limits<double>::infinity();
   r.moments.push_back({r.first, {}});
-  motion->add(0, body.positions(), body.velocities(), plan.unit);
+  motion.add(0, body.positions(), body.velocities(), plan.unit);
   const auto begin = std::chrono::steady_clock::now();
-  move(body, plan, moments, *motion, r, progress);
+  move(body, plan, moments, motion, r, progress);
   r.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   r.last = body.energies();
   note_steps(plan, stable, r, result.notes);

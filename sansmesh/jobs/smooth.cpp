@@ -25,7 +25,7 @@ SmoothResult smooth(TriangleMesh mesh, const SmoothOptions& options, Progress& p
     result.notes.push_back(
         {.code = "shortened",
          .text = fmt::format("waves of {} are longer than {} rounds take off: its edges are {} long on average",
-                             length_words(*options.length), grouped(static_cast<std::size_t>(r.iterations)),
+                             length_words(*options.shorter_than), grouped(static_cast<std::size_t>(r.iterations)),
                              length_words(r.mean_edge)),
          .remedy = {}});
   const double diagonal = bounds(result.mesh).diagonal();

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sansmesh/csg/parse_csg.h"
+#include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/function_distance.h"
@@ -13,7 +14,7 @@
 #include "sansmesh/function/mesh_solid.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/solid_parts.h"
-#include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -1,9 +1,12 @@
-#include "sansmesh/jobs/surface_in_volume.h"
-
+// Surfaces straight from the samples of a volume.
+#include <memory>
 #include <span>
 
 #include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/check_range.h"
+#include "sansmesh/dataset/volume_surface.h"
+#include "sansmesh/isosurfaces.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/volume/volume_values.h"
 
@@ -46,18 +49,18 @@ void SurfaceInVolumeOptions::validate() const {
   own.validate();
 }
 
-SurfaceInVolume surface_in_volume(VolumeModel& volume, const SurfaceInVolumeOptions& options, Progress& progress) {
+SurfaceInVolume surface_in_volume(const VolumeModel& volume, const SurfaceInVolumeOptions& options,
+                                  Progress& progress) {
   options.validate();
   VolumeSurfaceOptions own = options.surface;
   if (own.kind == Kind::isovalue) own.value = volume.value_or_middle(options.value);
   const auto samples = volume.samples(progress);
   const VolumeTraits& traits = volume.traits(progress);
-  SurfaceInVolume result{volume.naming([&] {
-                           return make_volume_surface(samples, scalar_values(*samples, volume.choice()),
-                                                      noise_of_values(traits), own, progress);
-                         }),
-                         own.value,
-                         {}};
+  auto surface = std::make_shared<const VolumeSurface>(with_name(volume.name(), [&] {
+    return make_volume_surface(samples, scalar_values(*samples, volume.choice()), noise_of_values(traits), own,
+                               progress);
+  }));
+  SurfaceInVolume result{surface, surface->report(), own.value, volume.name(), {}};
   if (!samples->lattice && traits.resolved())
     result.notes.push_back({.code = "resolved",
                             .text = "the values are smooth between samples",
@@ -81,20 +84,24 @@ const OptionSchema& MeshInVolumeOptions::schema() {
 
 void MeshInVolumeOptions::validate() const { validate_options(*this); }
 
-MeshInVolume mesh_of_surface(const VolumeModel& volume, const SurfaceInVolume& surface,
-                             const MeshInVolumeOptions& options, Progress& progress) {
+MeshInVolume mesh_of_surface(const SurfaceInVolume& surface, const MeshInVolumeOptions& options, Progress& progress) {
   options.validate();
   MeshOptions meshing;
   meshing.mesh_error = options.mesh_error, meshing.triangles = options.triangles;
   meshing.components = options.components;
   MeshInVolume result;
   MeshInVolumeReport& r = result.report;
-  result.mesh = volume.naming([&] { return mesh_volume_surface(surface.surface, meshing, progress, &r.mesh); });
-  add_notes(result.notes, "mesh", r.mesh.warnings, volume.name());
+  result.mesh =
+      with_name(surface.name, [&] { return mesh_volume_surface(*surface.surface, meshing, progress, &r.mesh); });
+  add_notes(result.notes, "mesh", r.mesh.warnings, surface.name);
   const MeshSize size = measure_size(result.mesh);
   r.area = size.area;
   if (!r.mesh.open) r.volume = size.volume;
   return result;
+}
+
+PointSet points_of_surface(const SurfaceInVolume& surface, std::optional<double> distance, Progress& progress) {
+  return with_name(surface.name, [&] { return sample_volume_surface(*surface.surface, distance, progress); });
 }
 
 }  // namespace sansmesh::inline v1

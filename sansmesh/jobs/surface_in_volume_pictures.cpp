@@ -4,9 +4,10 @@
 #include <span>
 #include <utility>
 
+#include "sansmesh/dataset/volume_surface.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/surface_in_volume.h"
-#include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/isosurfaces.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/surface_picture.h"
@@ -14,6 +15,7 @@
 #include "sansmesh/surface/bilateral_normals.h"
 #include "sansmesh/surface/curvature_colors.h"
 #include "sansmesh/surface/curvature_words.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -41,7 +43,7 @@ class ArrayColors : public ColorField {
     std::vector<Vec3> input(x.size());
     for (std::size_t i = 0; i < x.size(); ++i) input[i] = place_.to_input(x[i]);
     std::vector<double> v(x.size());
-    field_->evaluate(input, {v, {}, {}, {}});
+    field_->query({.points = input}, {.values = v});
     return v;
   }
 
@@ -54,7 +56,7 @@ class ArrayColors : public ColorField {
 }  // namespace
 
 struct SurfaceInVolumePictures::State {
-  std::shared_ptr<const SurfaceInVolume> of;
+  std::shared_ptr<const VolumeSurface> surface;
   std::unique_ptr<ColorField> colors;
   std::optional<ShownColors> shown;
   std::optional<BilateralNormals> normals;
@@ -86,23 +88,22 @@ void SurfaceInVolumeLook::validate() const {
   if (color_range && !curvature()) throw ArgumentError("`color_range` needs `color_by` with a curvature");
 }
 
-SurfaceInVolumePictures::SurfaceInVolumePictures(std::shared_ptr<const SurfaceInVolume> of, VolumeModel& volume,
+SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, const VolumeModel& volume,
                                                  const SurfaceInVolumeLook& look, Progress& progress,
                                                  std::vector<Note>& notes)
-    : state_(std::make_unique<State>(State{std::move(of), {}, {}, {}, {}})) {
+    : state_(std::make_unique<State>(State{of.surface, {}, {}, {}, {}})) {
   look.validate();
   State& s = *state_;
-  const VolumeSurface& surface = s.of->surface;
-  const Placement& place = surface.place();
+  const Placement& place = of.surface->place();
   PointSet points;
-  if (!look.color_by.empty() || look.sharp) points = surface.feet();
+  if (!look.color_by.empty() || look.sharp) points = of.surface->feet();
   if (const auto quantity = look.curvature()) {
     // Curvatures of the input, a length or an area below the line, in coordinates of the surface.
     const double unit = *quantity == CurvatureQuantity::gaussian ? place.unit * place.unit : place.unit;
     CurvatureColorOptions o;
     o.quantity = *quantity;
     if (look.color_range) o.range = *look.color_range * unit;
-    auto colors = volume.naming([&] { return std::make_unique<CurvatureColors>(points, o, progress); });
+    auto colors = with_name(volume.name(), [&] { return std::make_unique<CurvatureColors>(points, o, progress); });
     s.shown = ShownColors{.curvature = quantity, .range = colors->range() / unit, .colors = {}, .ends = {}};
     s.colors = std::move(colors);
   } else if (!look.color_by.empty()) {
@@ -117,7 +118,7 @@ SurfaceInVolumePictures::SurfaceInVolumePictures(std::shared_ptr<const SurfaceIn
     s.normals.emplace(prepare_samples(points, progress), BilateralOptions{});
     cast.normals = &*s.normals;
   }
-  volume.naming([&] { s.caster.emplace(surface.field(), surface.balls(), cast); });
+  with_name(volume.name(), [&] { s.caster.emplace(of.surface->field(), of.surface->balls(), cast); });
 }
 
 SurfaceInVolumePictures::~SurfaceInVolumePictures() = default;
@@ -129,8 +130,8 @@ Image SurfaceInVolumePictures::render(const SurfaceRenderOptions& options, Progr
   options.validate();
   const State& s = *state_;
   SurfaceRenderOptions own = options;
-  move_from_input(own.picture, s.of->surface.place());
-  return render_surface(*s.caster, s.of->surface.balls().centers, s.colors.get(), own, progress);
+  move_from_input(own.picture, s.surface->place());
+  return render_surface(*s.caster, s.surface->balls().centers, s.colors.get(), own, progress);
 }
 
 CastCounts SurfaceInVolumePictures::counts() const { return state_->caster->counts(); }

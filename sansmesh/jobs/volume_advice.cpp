@@ -1,9 +1,10 @@
-#include "sansmesh/jobs/volume_advice.h"
-
+// Advice on a volume.
 #include <algorithm>
 #include <cmath>
 
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/volume_state.h"
+#include "sansmesh/jobs/with_name.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -45,8 +46,8 @@ double mean_value(const VolumeModel& volume, std::size_t samples) {
 
 }  // namespace
 
-VolumeAdvice advise(VolumeModel& volume, Progress& progress) {
-  const VolumeDataset& dataset = volume.dataset();
+VolumeAdvice advise(const VolumeModel& volume, Progress& progress) {
+  const VolumeDataset& dataset = dataset_of(volume);
   const auto samples = volume.samples(progress);
   VolumeAdvice advice;
   VolumeOffer& offer = advice.offer;
@@ -56,7 +57,8 @@ VolumeAdvice advise(VolumeModel& volume, Progress& progress) {
   offer.body = samples->facts.unstructured;
   offer.lattice = samples->lattice.has_value();
   if (!offer.values && !offer.body)
-    volume.naming([] { throw DataError("holds no arrays, and no cells that could move: there is nothing to advise"); });
+    with_name(volume.name(),
+              [] { throw DataError("holds no arrays, and no cells that could move: there is nothing to advise"); });
   if (offer.values) {
     const DatasetArray& of = volume.array();
     const bool vector = of.components > 1 && !volume.choice().component;

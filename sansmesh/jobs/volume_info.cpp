@@ -1,13 +1,17 @@
-#include "sansmesh/jobs/volume_info.h"
-
+// Contents of a file of a volume.
 #include <fmt/core.h>
 
+#include <utility>
+
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/jobs/volume_state.h"
 
 namespace sansmesh::inline v1 {
 
-VolumeInfo volume_info(VolumeModel& volume, Progress& progress) {
-  VolumeInfo info{volume.samples(progress), {}};
+VolumeInfo volume_info(const VolumeModel& volume, Progress& progress) {
+  VolumeInfo info{.samples = volume.samples(progress)};
+  if (const FittedVolume* const held = dataset_of(volume).fitted())
+    info.fitted = {held->array, held->chosen, held->coefficients.by_degree()};
   const VolumeFacts& f = info.samples->facts;
   const auto note = [&](const char* code, std::string text) {
     info.notes.push_back({.code = code,

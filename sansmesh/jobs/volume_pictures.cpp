@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/tubes.h"
@@ -13,6 +13,7 @@
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/volume_picture.h"
 #include "sansmesh/volume/volume_boundary.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -60,11 +61,12 @@ const OptionSchema& VolumePicturesOptions::schema() {
       option_group<&O::look>(VolumePictureOptions::schema().rows),
       option<&O::grid>({.text = "Also the edges of the grid's cells where the volume ends; with an opacity of 0 these "
                                 "alone"}),
-      option<&O::interactive>({.text = "Quick: from the field baked into bricks, whose error is reported"}),
-      option<&O::bake_error>({.text = "Of `interactive`: error above which bricks are split, share of the range",
+      option<&O::baked>(
+          {.text = "Quick: from the field baked into bricks, whose error is reported", .old_name = "interactive"}),
+      option<&O::bake_error>({.text = "Of `baked`: error above which bricks are split, share of the range",
                               .unit = "share",
                               .range = positive(1),
-                              .needs = "interactive"}),
+                              .needs = "baked"}),
       option<&O::bar>({.text = "Without the colour bar"}),
       option<&O::unit>({.text = "Of the array, at the colour bar"})};
   static const OptionSchema schema{rows};
@@ -78,7 +80,7 @@ void VolumePicturesOptions::validate() const {
     throw ArgumentError("`label` and `unit` stand at the colour bar: not with `bar = false`");
 }
 
-VolumePictures::VolumePictures(VolumeModel& volume, const VolumePicturesOptions& options,
+VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options,
                                std::vector<PictureSurface> surfaces, Progress& progress)
     : state_(std::make_unique<State>()) {
   options.validate();
@@ -87,20 +89,20 @@ VolumePictures::VolumePictures(VolumeModel& volume, const VolumePicturesOptions&
   s.look = options.look;
   VolumePictureOptions& look = s.look;
   look.color_bar = options.bar;
-  if (options.interactive) look.picture.quality.samples = 1, look.step = 1.5, look.least_light = 0.01;
+  if (options.baked) look.picture.quality.samples = 1, look.step = 1.5, look.least_light = 0.01;
   s.samples = volume.samples(progress);
   s.field = volume.field(volume.as_scalar(volume.choice()), progress, s.notes);
   if (!options.opacity_by.empty())
     s.opacity = volume.field(volume.scalar_choice(options.opacity_by, "opacity_by"), progress, s.notes);
   VolumeSubject subject = volume_subject(*s.samples, s.boundary);
   subject.field = s.field.get(), subject.opacity = s.opacity.get();
-  if (options.interactive) {
+  if (options.baked) {
     BakeOptions bake;
     bake.tolerance = options.bake_error;
     bake.places = s.samples->positions;
     progress.begin("bake");
     const auto baked = [&](const VolumeField& field) {
-      return volume.naming([&] { return std::make_unique<BakedVolume>(field, bake, progress); });
+      return with_name(volume.name(), [&] { return std::make_unique<BakedVolume>(field, bake, progress); });
     };
     s.baked = baked(*s.field);
     subject.field = s.baked.get();
@@ -115,7 +117,8 @@ VolumePictures::VolumePictures(VolumeModel& volume, const VolumePicturesOptions&
   if (options.grid) subject.surfaces.push_back(grid_lines(*s.samples, look.picture));
   if (look.color_title.empty()) look.color_title = volume.array_name() + (volume.is_vector() ? " (magnitude)" : "");
   if (!options.unit.empty()) look.color_title += " [" + options.unit + "]";
-  s.picture = volume.naming([&] { return std::make_unique<VolumePicture>(std::move(subject), progress); });
+  s.picture = with_name(volume.name(), [&] { return std::make_unique<VolumePicture>(std::move(subject), progress); });
+  if (look.color_bar) leave_room(look.picture, ColorBar{s.picture->transfer(look), look.color_title, {}});
 }
 
 VolumePictures::~VolumePictures() = default;

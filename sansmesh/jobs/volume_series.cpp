@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/error.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -44,7 +45,7 @@ VolumeSeries open_volume_series(const std::vector<std::string>& files, const Vol
   {
     VolumeModel& first = series.steps[0];
     first.check_scalar();
-    series.times = several ? times_of_series(times, files.size()) : first.dataset().times();
+    series.times = several ? times_of_series(times, files.size()) : first.times();
     if (series.times.size() < 2)
       throw DataError(printable(series.name, 200) + ": holds one step in time: nothing changes");
     if (others.array.empty()) others.array = first.choice().array;

@@ -95,11 +95,11 @@ DistanceStatistics statistics_of(std::vector<Sample> samples, const TriangleMesh
                     total);
   const auto off = [](const Sample& x, double mean) { return (x.distance - mean) * (x.distance - mean); };
   s.deviation = std::sqrt(sum_of(samples, off, s.mean) / total);
-  if (options.tolerance)
-    s.within_tolerance = sum_of(
-                             samples, [](const Sample& x, double t) { return std::abs(x.distance) <= t ? 1.0 : 0.0; },
-                             *options.tolerance) /
-                         total;
+  if (options.within)
+    s.within_tolerance =
+        sum_of(
+            samples, [](const Sample& x, double t) { return std::abs(x.distance) <= t ? 1.0 : 0.0; }, *options.within) /
+        total;
 
   std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
     return std::abs(a.distance) != std::abs(b.distance) ? std::abs(a.distance) < std::abs(b.distance)
@@ -143,7 +143,8 @@ DistanceStatistics statistics_of(std::vector<Sample> samples, const TriangleMesh
 const OptionSchema& DistanceMapOptions::schema() {
   using O = DistanceMapOptions;
   static constexpr OptionRow rows[] = {
-      option<&O::tolerance>({.text = "Report the share within ±LENGTH", .unit = "length", .range = at_least(0)}),
+      option<&O::within>(
+          {.text = "Report the share within ±LENGTH", .unit = "length", .range = at_least(0), .old_name = "tolerance"}),
       option<&O::color_range>({.text = "Distance that gets the full colour",
                                .unit = "length",
                                .from_data = "99 % are nearer",

@@ -292,7 +292,8 @@ AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit
   side.radius = std::sqrt(side.radius / static_cast<double>(even.size()));
   // The samples are finer than the larger of both: of the smaller one there may be one.
   if (!(side.radius > 0))
-    throw DataError(std::string("the ") + name + " surface is too small beside the other (`scale` finds a factor)");
+    throw DataError(std::string("the ") + name +
+                    " surface is too small beside the other (`find_scale` finds a factor)");
   return side;
 }
 

@@ -73,7 +73,7 @@ FitResult fit_closely(const OrientedPoints& few, const OrientedPoints& many, con
   fit.iterations = options.iterations;
   fit.reach = reach;
   fit.least_reach = kLeastReach;
-  fit.scale = options.scale;
+  fit.scale = options.find_scale;
   fit.signs = signs;
   fit.last_step = 1e-4;
   FitResult rough = detail::fit_pose(few, fixed, start, fit);
@@ -118,7 +118,7 @@ const OptionSchema& SurfaceAlignmentOptions::schema() {
                          .unit = "choice",
                          .choices = starts,
                          .name = "from"}),
-      option<&O::scale>({.text = "Find one factor for all lengths, too"}),
+      option<&O::find_scale>({.text = "Find one factor for all lengths, too", .old_name = "scale"}),
       option<&O::samples>(
           {.text = "Samples of what moves that are compared", .range = {100, 10'000'000}, .name = "align_samples"}),
       option<&O::iterations>({.text = "Steps of a search at most", .range = {1, 1000}, .name = "align_iterations"})};
@@ -146,7 +146,7 @@ SurfaceAlignment align(const TriangleMesh& moving_mesh, const TriangleMesh& fixe
   detail::measure_side(moving_mesh, "moving", moving_origin, moving_size);
   detail::measure_side(fixed_mesh, "fixed", fixed_origin, fixed_size);
   // Of very different sizes: the scale is part of the units, so that both are about 1 large.
-  const double moving_unit = options.scale ? moving_size : fixed_size;
+  const double moving_unit = options.find_scale ? moving_size : fixed_size;
   // Of what moves no more points are compared; of the fixed side the tangent planes are means over some.
   const AlignSide moving =
       detail::prepare_side(moving_mesh, moving_origin, moving_unit, options.samples, "moving", progress);
@@ -181,14 +181,14 @@ SurfaceAlignment align(const TriangleMesh& moving_mesh, const TriangleMesh& fixe
   }
   if (options.start == AlignStart::anywhere || (options.start == AlignStart::automatic && best_score < kSurelyThere)) {
     result.searched = true;
-    const std::vector<FoundPose> poses = detail::search_poses(moving, fixed, coarse, options.scale, progress);
+    const std::vector<FoundPose> poses = detail::search_poses(moving, fixed, coarse, options.find_scale, progress);
     progress.begin("fit", kComparedPoses);
     std::vector<std::pair<FitResult, double>> tried;
     FitOptions fit;
     fit.iterations = std::min(options.iterations, 30);
     fit.reach = 2 * coarse.spacing;
     fit.least_reach = kLeastReach;
-    fit.scale = options.scale;
+    fit.scale = options.find_scale;
     fit.signs = signs;
     fit.last_step = 1e-4;
     const OrientedPoints fewer = samples_of(moving, std::min(options.samples, kOfComparison));
@@ -251,7 +251,7 @@ SurfaceAlignment align(const TriangleMesh& moving_mesh, const TriangleMesh& fixe
 
   SimilarityMotion& m = result.motion;
   m.x = pose.x, m.y = pose.y, m.z = pose.z;
-  m.scale = options.scale ? pose.scale * fixed_size / moving_unit : 1;
+  m.scale = options.find_scale ? pose.scale * fixed_size / moving_unit : 1;
   m.from = moving_origin;
   m.to = fixed_origin + pose.shift * fixed_size;
   return result;

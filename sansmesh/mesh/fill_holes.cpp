@@ -349,8 +349,9 @@ const OptionSchema& FillOptions::schema() {
                          .range = {0, 1}}),
       option<&O::all>({.text = "Fill all, outer borders of open surfaces too"}),
       option<&O::refine>({.text = "Make the triangles as small as those around the hole"}),
-      option<&O::fair>(
-          {.text = "Fill with the smallest surface instead of one that goes on smoothly", .negative = "flat"})};
+      option<&O::fair>({.text = "Fill with the smallest surface instead of one that goes on smoothly",
+                        .negative = "smallest_surface",
+                        .old_name = "flat"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }

@@ -246,9 +246,9 @@ void filter_waves(SmoothState& s, const SmoothOptions& options, bool closed, Smo
   int steps = options.iterations.value_or(kUsualIterations);
   const double there = options.strength;
   s.find_neighbours();
-  if (const double reach = mean_square_reach(s); options.length && reach > 0) {
+  if (const double reach = mean_square_reach(s); options.shorter_than && reach > 0) {
     // Of a wave: Σ w (1 − cos(ω·d)) on the mean over all directions.
-    const double half = std::min(std::pow(std::numbers::pi / *options.length, 2) * reach, 0.9);
+    const double half = std::min(std::pow(std::numbers::pi / *options.shorter_than, 2) * reach, 0.9);
     pass = kPassOverHalf * half;
     const double back = 1 / (1 / there - pass);
     const double wanted = kHalving / (there * back * pass * pass);
@@ -384,9 +384,10 @@ const OptionSchema& SmoothOptions::schema() {
   static constexpr OptionRow rows[] = {
       option<&O::iterations>({.text = "Rounds", .from_data = "10; with `creases` 8", .range = {1, kMostIterations}}),
       option<&O::strength>({.text = "How far a round goes", .unit = "share", .range = positive(kMostStrength)}),
-      option<&O::length>({.text = "Take off what is shorter than this, in place of `iterations`",
-                          .unit = "length",
-                          .range = positive()}),
+      option<&O::shorter_than>({.text = "Take off what is shorter than this, in place of `iterations`",
+                                .unit = "length",
+                                .range = positive(),
+                                .old_name = "length"}),
       option<&O::creases>({.text = "Keep creases: smooth the normals of faces, and fit the vertices to them"}),
       option<&O::crease_angle>({.text = "With `creases`: faces that are turned by more do not blur",
                                 .unit = "degrees",
@@ -400,8 +401,9 @@ const OptionSchema& SmoothOptions::schema() {
 
 void SmoothOptions::validate() const {
   validate_options(*this);
-  if (length && iterations) throw ArgumentError("`length` says how many `iterations` there are: give one of them");
-  if (length && creases) throw ArgumentError("`length` means nothing with `creases`");
+  if (shorter_than && iterations)
+    throw ArgumentError("`shorter_than` says how many `iterations` there are: give one of them");
+  if (shorter_than && creases) throw ArgumentError("`shorter_than` means nothing with `creases`");
   if (borders && creases) throw ArgumentError("`borders` means nothing with `creases`: borders stay");
 }
 

@@ -75,10 +75,10 @@ std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, co
     const auto out = std::span<Foot>(feet).subspan(first, count);
     if (model.projection()) {
       std::vector<FootPoint> found(count);
-      project_to_fixed_point(*model.projection(), part, tolerance, options.steps, found);
+      project_to_fixed_point(*model.projection(), part, tolerance, options.most_steps, found);
       for (std::size_t i = 0; i < count; ++i) out[i] = {found[i].position, found[i].normal, found[i].defined};
     } else {
-      descend(*field, part, tolerance, longest_step, options.steps, out);
+      descend(*field, part, tolerance, longest_step, options.most_steps, out);
     }
     progress.advance();
   });
@@ -146,7 +146,7 @@ SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
 const OptionSchema& ProjectToSurface::schema() {
   using O = ProjectToSurface;
   static constexpr OptionRow rows[] = {
-      option<&O::steps>({.text = "Steps of a point at most", .range = {1, 1000}}),
+      option<&O::most_steps>({.text = "Steps of a point at most", .range = {1, 1000}, .old_name = "steps"}),
       option<&O::tolerance>({.text = "A point stops after a step shorter than this ratio to the spacing",
                              .unit = "ratio",
                              .range = {1e-6, 1}})};

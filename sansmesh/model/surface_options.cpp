@@ -62,9 +62,10 @@ constexpr OptionRow kRows[] = {
         {.text = "covariance (adamson): the direction of least weighted covariance; iterated (amls): the normals "
                  "approximated as the values are",
          .choices = kNormals}),
-    option<&SurfaceOptions::plane>(
+    option<&SurfaceOptions::reference_plane>(
         {.text = "The plane by weights about its own foot, six times, or by nonlinear minimisation",
-         .choices = kPlanes}),
+         .choices = kPlanes,
+         .old_name = "plane"}),
     option<&SurfaceOptions::polynomial, PolynomialWords>(
         {.text = "Degree over the plane, or incomplete: x^2, y^2, xy, 1", .unit = "degree", .choices = kPolynomials}),
     option<&SurfaceOptions::flow>(

@@ -156,7 +156,7 @@ void keep_classes(PointSet& points, const PointClasses& classes) {
   if (!of)
     throw DataError(
         "its points have no class (no attribute 'classification' with a number other than 0), by which "
-        "`classes` could choose");
+        "`class` could choose");
   std::vector<std::uint8_t> gone(points.size(), 1);
   std::visit(
       [&](const auto& values) {
@@ -171,8 +171,7 @@ void keep_classes(PointSet& points, const PointClasses& classes) {
     for (unsigned c = 0; c < counts.size(); ++c)
       if (counts[c] > 0) there += (there.empty() ? "" : ", ") + class_words(c);
     throw DataError("none of its " + counted(points.size(), "point") +
-                    " is of a class that `classes` chooses; there are " +
-                    (there.empty() ? "none from 0 to 255" : there));
+                    " is of a class that `class` chooses; there are " + (there.empty() ? "none from 0 to 255" : there));
   }
   if (lost > 0) remove_samples(points, gone);
 }

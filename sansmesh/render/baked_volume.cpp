@@ -111,7 +111,7 @@ struct BakedVolume::State {
     slope_scale = binary_scale(1 / longest);
     known = some_places(options.places, kCheckPoints);
     known_values.resize(known.size());
-    f.evaluate(known, {known_values, {}, {}, {}});
+    f.evaluate(known, {known_values});
     report.evaluations += known.size();
     for (const double v : known_values)
       report.least = std::min(report.least, v), report.most = std::max(report.most, v);
@@ -212,7 +212,7 @@ struct BakedVolume::State {
         }
       }
       values.resize(x.size()), gradients.resize(x.size()), inside.resize(x.size()), spacings.resize(probes.size());
-      field->evaluate(x, {values, gradients, inside, {}});
+      field->evaluate(x, {values, gradients, inside});
       field->spacing(probes, spacings);
       report.evaluations += x.size();
       parallel_for(0, n, 4, [&](std::size_t q) {
@@ -429,9 +429,9 @@ struct BakedVolume::State {
     }
     std::vector<double> exact(x.size()), found(x.size());
     std::vector<std::uint8_t> inside(x.size());
-    field->evaluate(x, {exact, {}, inside, {}});
+    field->evaluate(x, {exact, {}, inside});
     report.evaluations += x.size();
-    baked.evaluate(x, {found, {}, {}, {}});
+    baked.evaluate(x, {found});
     double sum = 0, most = 0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -441,7 +441,7 @@ struct BakedVolume::State {
     }
     if (count * kEnoughChecked < x.size()) {
       found.resize(known.size());
-      baked.evaluate(known, {found, {}, {}, {}});
+      baked.evaluate(known, {found});
       for (std::size_t i = 0; i < known.size(); ++i) {
         const double e = std::abs(known_values[i] - found[i]) / range();
         sum += e, most = std::max(most, e), ++count;
@@ -512,8 +512,6 @@ void BakedVolume::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted)
       for (double& v : values) v /= s.value_scale;
     if (s.value_scale != 1 || s.slope_scale != 1)
       for (Vec3& g : gradients) g = g / s.slope_scale / s.value_scale;
-    if (!wanted.degrees.empty())
-      std::fill_n(wanted.degrees.begin() + static_cast<std::ptrdiff_t>(first), n, std::uint8_t{1});
     if (wanted.inside.empty()) return;
     for (std::size_t i = first; i < last; ++i) {
       wanted.inside[i] = 0;

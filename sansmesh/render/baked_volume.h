@@ -49,7 +49,6 @@ class BakedVolume : public VolumeField {
   Box3 bounds() const override;
   std::size_t components() const override { return 1; }
   /// About 30 ns a point and thread. `inside`: what most of the nodes around a point are, weighted by their distance.
-  /// `degrees` are 1.
   void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override;
   /// That of the field where cells are finer, else the shortest edge of the cell around each of x.
   void spacing(std::span<const Vec3> x, std::span<double> found) const override;

@@ -182,7 +182,6 @@ class ClearVolume final : public VolumeField {
     std::fill(answers.values.begin(), answers.values.end(), 0.0);
     std::fill(answers.gradients.begin(), answers.gradients.end(), Vec3{});
     std::fill(answers.inside.begin(), answers.inside.end(), std::uint8_t{1});
-    std::fill(answers.degrees.begin(), answers.degrees.end(), std::uint8_t{0});
   }
   void spacing(std::span<const Vec3> /*x*/, std::span<double> found) const override {
     std::fill(found.begin(), found.end(), box_.diagonal());
@@ -291,8 +290,8 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
     const ClearVolume field({box.lower - rim, box.upper + rim});
     VolumePictureOptions o;
     o.picture = options;
-    o.opacity_scale = 0;
-    o.cut_faces = false;
+    o.opacity_factor = 0;
+    o.clip_faces = false;
     o.transfer = TransferFunction{{}, {{0, {}}, {1, {}}}, {{0, 0}, {1, 0}}};
     VolumeSubject subject;
     subject.field = &field;

@@ -157,7 +157,8 @@ const OptionSchema& SurfaceRenderOptions::schema() {
                                     .needs = "transmission"}),
       option<&O::bounces>({.text = "Mirrored and refracted rays one after the other", .range = {1, 16}}),
       option<&O::exact_shadows>({.text = "Shadows by rays against the surface itself: slow"}),
-      option<&O::plain>({.text = "Quick: one ray per pixel, no shadows, no ground"})};
+      option<&O::plain>(
+          {.text = "Quick: one ray per pixel, no shadows, no ground", .name = "quick", .old_name = "plain"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }

@@ -52,7 +52,7 @@ void add_values(const VolumeField& field, std::span<const Vec3> x, bool all, Fou
   std::vector<double> values(x.size());
   std::vector<Vec3> gradients(x.size());
   std::vector<std::uint8_t> inside(all ? 0 : x.size());
-  field.evaluate(x, {values, gradients, inside, {}});
+  field.evaluate(x, {values, gradients, inside});
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!all && !inside[i]) continue;
     found.values.push_back(values[i]);

@@ -124,7 +124,7 @@ void VolumeCells::find_ranges(const VolumeField& field, std::vector<ValueRange>&
             x.push_back(low + Vec3{(i + 0.5) / n * edge_.x, (j + 0.5) / n * edge_.y, (k + 0.5) / n * edge_.z});
     }
     values.resize(x.size()), gradients.resize(x.size());
-    field.evaluate(x, {values, gradients, {}, {}});
+    field.evaluate(x, {values, gradients});
     std::size_t at = 0;
     for (; begin < end; ++begin) {
       const int n = jobs[begin].points;

@@ -152,17 +152,19 @@ const OptionSchema& VolumePictureOptions::schema() {
            .unit = "name",
            .from_data = "from the values' histogram",
            .choices = transfer_function_presets()}),
-      option<&O::opacity_scale>({.text = "Multiplies the opacity; 0: iso-surfaces and cuts only",
-                                 .unit = "factor",
-                                 .range = {.least = 0, .most = 1000},
-                                 .name = "opacity"}),
+      option<&O::opacity_factor>({.text = "Multiplies the opacity; 0: iso-surfaces and clip faces only",
+                                  .unit = "factor",
+                                  .range = {.least = 0, .most = 1000},
+                                  .old_name = "opacity"}),
       option<&O::isos>({.text = "Surface of a value: V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated",
                         .unit = "value",
                         .name = "iso"}),
-      option<&O::cuts, CutWords>({.text = "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated",
-                                  .unit = "place",
-                                  .name = "cut"}),
-      option<&O::cut_faces>({.text = "Cut faces stay as clear as what is behind them"}),
+      option<&O::clips, CutWords>({.text = "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated",
+                                   .unit = "place",
+                                   .name = "clip",
+                                   .old_name = "cut"}),
+      option<&O::clip_faces>(
+          {.text = "Faces of what `clip` takes away stay as clear as what is behind them", .old_name = "no_cut_faces"}),
       option<&O::shading>({.text = "Colours as the transfer function has them, without light"}),
       option<&O::color_title>(
           {.text = "Of the colour bar: what is shown", .from_data = "the array's name", .name = "label"}),
@@ -180,25 +182,25 @@ void VolumePictureOptions::validate() const {
     if (std::find(known.begin(), known.end(), preset) == known.end())
       transfer_function_preset(preset, ValueHistogram{});  // throws with the list of those known
   }
-  check_range("opacity_scale", opacity_scale, 0, 1000);
+  check_range("opacity_factor", opacity_factor, 0, 1000);
   check_range("step", step, 0.05, 4);
   check_range("least_light", least_light, 0, 0.1);
   if (isos.size() > kMostSurfaces)
     throw ArgumentError(fmt::format("`isos` may hold {} surfaces, not {}", kMostSurfaces, isos.size()));
-  if (cuts.size() > kMostSurfaces)
-    throw ArgumentError(fmt::format("`cuts` may hold {} planes, not {}", kMostSurfaces, cuts.size()));
+  if (clips.size() > kMostSurfaces)
+    throw ArgumentError(fmt::format("`clip` may be given {} times, not {}", kMostSurfaces, clips.size()));
   for (const IsoSurface& iso : isos) {
     if (!std::isfinite(iso.value)) throw ArgumentError("`isos`: values must be finite");
     check_range("isos.opacity", iso.opacity, 0, 1);
     if (iso.color)
       for (std::size_t k = 0; k < 3; ++k) check_range("isos.color", static_cast<double>((*iso.color)[k]), 0, 1);
   }
-  for (const VolumeCut& cut : cuts) {
+  for (const VolumeCut& cut : clips) {
     if (!is_finite(cut.normal) || !(norm(cut.normal) > 0))
-      throw ArgumentError("`cuts`: a normal must have a direction");
-    if (!std::isfinite(cut.offset)) throw ArgumentError("`cuts`: offsets must be finite");
+      throw ArgumentError("`clip`: a normal must have a direction");
+    if (!std::isfinite(cut.offset)) throw ArgumentError("`clip`: offsets must be finite");
     if (!(cut.thickness > 0))
-      throw ArgumentError(fmt::format("`cuts`: a thickness must be positive, not {:g}", cut.thickness));
+      throw ArgumentError(fmt::format("`clip`: a thickness must be positive, not {:g}", cut.thickness));
   }
 }
 

@@ -59,9 +59,9 @@ VolumePictureOptions with_box_cut(VolumePictureOptions options, const Box3& box)
     Vec3 axis{};
     axis[k] = 1;
     if (options.picture.view.clip_box->upper[k] < box.upper[k] - same)
-      options.cuts.push_back({axis, options.picture.view.clip_box->upper[k]});
+      options.clips.push_back({axis, options.picture.view.clip_box->upper[k]});
     if (options.picture.view.clip_box->lower[k] > box.lower[k] + same)
-      options.cuts.push_back({-axis, -options.picture.view.clip_box->lower[k]});
+      options.clips.push_back({-axis, -options.picture.view.clip_box->lower[k]});
   }
   return options;
 }
@@ -355,6 +355,9 @@ VolumePicture::~VolumePicture() = default;
 void VolumePicture::set_surfaces(std::vector<PictureSurface> surfaces) { work_->set_surfaces(std::move(surfaces)); }
 const PictureFrame& VolumePicture::frame() const { return work_->frame(); }
 const ValueHistogram& VolumePicture::histogram() const { return work_->histogram(); }
+TransferFunction VolumePicture::transfer(const VolumePictureOptions& options) const {
+  return work_->transfer(options).function;
+}
 Camera VolumePicture::camera(const VolumePictureOptions& options) const {
   options.validate();
   return work_->camera(options);

@@ -36,7 +36,7 @@ struct VolumeSubject {
   std::span<const Vec3> framed = {};
   /// Above 0 in gaps that cuts have opened in the volume, about the distance from their faces there and beside them, in
   /// the coordinates of the data. Nothing is seen in gaps, and rays find their faces exactly; where they look at one it
-  /// shows its values in the light of the gap's gradient, as far as `cut_faces` says. Null: there are none.
+  /// shows its values in the light of the gap's gradient, as far as `clip_faces` says. Null: there are none.
   const ScalarField* gap = nullptr;
   /// Values may be those of an image (CT, MR): materials are looked for where the transfer function is to be suggested.
   bool image = true;
@@ -70,6 +70,8 @@ class VolumePicture {
   Camera camera(const VolumePictureOptions& options) const;
   /// Of the field's values in the volume.
   const ValueHistogram& histogram() const;
+  /// The transfer function that pictures with these options have.
+  TransferFunction transfer(const VolumePictureOptions& options) const;
 
  private:
   class Work;

@@ -95,7 +95,7 @@ void VolumeStretches::between_crossings(std::span<const VolumeRay> rays,
   middles.reserve(doubts.size());
   std::vector<std::uint8_t> inside(doubts.size());
   for (const Doubt& d : doubts) middles.push_back(to_world(frame_, rays[d.ray], 0.5 * (d.piece.begin + d.piece.end)));
-  field_.evaluate(middles, {{}, {}, inside, {}});
+  field_.evaluate(middles, {{}, {}, inside});
   for (std::size_t k = 0; k < doubts.size(); ++k)
     if (inside[k]) found[doubts[k].ray].push_back(doubts[k].piece);
 }

@@ -111,26 +111,26 @@ VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, con
       separate_(volume.opacity != nullptr),
       footprint_(2 * camera.half_height / static_cast<float>(options.picture.view.height)) {
   const double reference = transfer.reference_length ? *transfer.reference_length / volume.frame.size : kReferenceShare;
-  extinction_ = options.opacity_scale / reference;
+  extinction_ = options.opacity_factor / reference;
   const auto [lower, upper] = transfer.range();
   value_range_ = upper - lower, other_range_ = transfer.opacities.back().value - transfer.opacities.front().value;
   weak_ = 1.5 * (separate_ ? transfer.opacities.back().value - transfer.opacities.front().value : upper - lower);
   for (const IsoSurface& iso : options.isos)
     iso_colors_.push_back(linear_color(iso.color ? *iso.color : transfer.color(iso.value)));
-  if (options.opacity_scale == 0)
+  if (options.opacity_factor == 0)
     for (const IsoSurface& iso : options.isos) least_shown_ = std::min(least_shown_.value_or(iso.value), iso.value);
   const VolumeCells& cells = *volume.cells;
   clear_.assign(cells.size(), 0);
   if (!options.skip_empty) return;
   for (std::size_t c = 0; c < cells.size(); ++c) {
     const ValueRange& dense = separate_ ? cells.other_range(c) : cells.range(c);
-    bool clear = options.opacity_scale == 0 || depths_.clear(dense.least, dense.most);
+    bool clear = options.opacity_factor == 0 || depths_.clear(dense.least, dense.most);
     for (const IsoSurface& iso : options.isos)
       clear = clear && !(cells.range(c).least <= iso.value && iso.value <= cells.range(c).most);
     clear_[c] = clear;
   }
   // Faces of gaps show values that are clear otherwise.
-  if (volume.gap && options.cut_faces && options.opacity_scale == 0) {
+  if (volume.gap && options.clip_faces && options.opacity_factor == 0) {
     const double radius = 0.5 * norm(cells.edge());
     std::vector<Vec3> centers;
     centers.reserve(cells.size());
@@ -183,7 +183,7 @@ bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
       walk.within = walk.begun = true;
       walk.started = false;
       walk.t = walk.now.begin;
-      if (walk.now.begins_at_cut && options_.cut_faces) return true;
+      if (walk.now.begins_at_cut && options_.clip_faces) return true;
     }
     const double at = walk.started ? walk.before.t : walk.t;
     std::size_t cell = volume_.cells->cell(world(walk, at));
@@ -213,7 +213,7 @@ bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
     walk.started = walk.begun = false;
     if (t >= walk.now.end) {
       walk.within = false;
-      if (!walk.now.ends_at_cut || !options_.cut_faces) continue;
+      if (!walk.now.ends_at_cut || !options_.clip_faces) continue;
       walk.within = true;
       walk.t = walk.now.end;
       return true;
@@ -245,10 +245,10 @@ std::size_t VolumeTracer::evaluate(Scratch& s) const {
   s.values.resize(n), s.gradients.resize(n), s.samples.resize(n);
   const bool ask = !volume_.bounded;
   s.inside.assign(ask ? n : 0, 1);
-  volume_.field->evaluate(s.x, {s.values, s.gradients, s.inside, {}});
+  volume_.field->evaluate(s.x, {s.values, s.gradients, s.inside});
   if (separate_) {
     s.others.resize(n), s.other_gradients.resize(n);
-    volume_.opacity->evaluate(s.x, {s.others, s.other_gradients, {}, {}});
+    volume_.opacity->evaluate(s.x, {s.others, s.other_gradients});
   }
   if (volume_.gap) {
     s.gaps.resize(n), s.gap_gradients.resize(n);
@@ -294,16 +294,16 @@ void VolumeTracer::lay(Walk& walk, const Vec3f& light, double opacity) const {
 void VolumeTracer::cut_face(Walk& walk, const Sample& sample) const {
   if (!sample.inside) return;
   double opacity = 1;
-  if (options_.opacity_scale > 0)
+  if (options_.opacity_factor > 0)
     opacity = std::min(1.0, transfer_.opacity(separate_ ? sample.other : sample.value) / kFaceOpacity);
   if (opacity > 0) lay(walk, linear_color(transfer_.color(sample.value)), opacity);
 }
 
 /// The face behind a gap, lit by the gradient of the gap.
 void VolumeTracer::gap_face(Walk& walk, const Sample& sample) const {
-  if (!options_.cut_faces || !sample.inside) return;
+  if (!options_.clip_faces || !sample.inside) return;
   double opacity = 1;
-  if (options_.opacity_scale > 0) {
+  if (options_.opacity_factor > 0) {
     opacity = std::min(1.0, transfer_.opacity(separate_ ? sample.other : sample.value) / kFaceOpacity);
   } else if (least_shown_ && sample.value < *least_shown_) {
     return;
@@ -528,7 +528,7 @@ std::size_t VolumeTracer::find_roots(Scratch& s) const {
     x.clear();
     for (const std::size_t r : open) x.push_back(world(s.walks[s.active[s.roots[r].walk]], s.roots[r].sample.t));
     values.resize(x.size()), gradients.resize(x.size());
-    volume_.field->evaluate(x, {values, gradients, {}, {}});
+    volume_.field->evaluate(x, {values, gradients});
     count += x.size();
     std::size_t kept = 0;
     for (std::size_t i = 0; i < open.size(); ++i) {
@@ -600,7 +600,7 @@ std::size_t VolumeTracer::trace(const EyeRays& eye, std::span<TracedLight> light
   s.walks.resize(eye.size());
   std::vector<VolumeRay> rays(eye.size());
   for (std::size_t i = 0; i < rays.size(); ++i) rays[i] = {Vec3(eye.origin(i)), normalized(Vec3(eye.directions[i]))};
-  volume_.stretches->find(rays, options_.cuts, s.stretches, s.first);
+  volume_.stretches->find(rays, options_.clips, s.stretches, s.first);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     Walk& walk = s.walks[i];
     walk.origin = rays[i].origin;
@@ -658,7 +658,7 @@ std::size_t VolumeTracer::trace(const EyeRays& eye, std::span<TracedLight> light
       if (now.again) continue;
       std::size_t last = root;
       while (last < s.roots.size() && s.roots[last].walk == i) ++last;
-      if (walk.begun && walk.now.begins_at_cut && options_.cut_faces) cut_face(walk, now);
+      if (walk.begun && walk.now.begins_at_cut && options_.clip_faces) cut_face(walk, now);
       walk.begun = false;
       if (now.on_face) gap_face(walk, now);
       if (walk.started) go_through(walk, walk.before, now, std::span(s.roots).subspan(root, last - root));
@@ -670,7 +670,7 @@ std::size_t VolumeTracer::trace(const EyeRays& eye, std::span<TracedLight> light
       walk.before = now;
       walk.started = true;
       if (now.t < walk.now.end) continue;
-      if (walk.now.ends_at_cut && options_.cut_faces) cut_face(walk, now);
+      if (walk.now.ends_at_cut && options_.clip_faces) cut_face(walk, now);
       walk.within = walk.started = false;
     }
   }

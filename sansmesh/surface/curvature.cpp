@@ -111,7 +111,7 @@ CurvatureEstimator::CurvatureEstimator(const PointSet& points, const CurvatureOp
     normals_[slot] = is_finite(n) ? normalized(n) : Vec3f{};
     slot_of_[index] = static_cast<std::uint32_t>(slot);
   });
-  if (options.radius) return;
+  if (options.bandwidth) return;
   neighbours_ = options.neighbours.value_or(0);
   if (neighbours_ == 0)
     neighbours_ = choose_neighbours_on_tree(tree_, points, options.noise ? *options.noise : estimate_noise(points));
@@ -129,8 +129,8 @@ void CurvatureEstimator::evaluate(std::span<const Vec3> x, std::span<const Vec3>
       const Vec3 normal = normalized(normals[i]);
       if (!is_finite(x[i]) || !(squared_norm(normal) > 0)) continue;
       double radius = 0;
-      if (options_.radius) {
-        radius = kReachOverWidth * *options_.radius;
+      if (options_.bandwidth) {
+        radius = kReachOverWidth * *options_.bandwidth;
         tree_.within(Vec3f(x[i]), static_cast<float>(radius), found);
       } else {
         found.resize(static_cast<std::size_t>(neighbours_));
@@ -166,9 +166,9 @@ std::vector<PrincipalCurvatures> CurvatureEstimator::at_samples(Progress& progre
       }
       if (fitter.fit(count, radius)) result[tree_.order()[slot]] = fitter.curvatures();
     };
-    if (options_.radius) {
+    if (options_.bandwidth) {
       std::vector<Neighbour> found;
-      const double radius = kReachOverWidth * *options_.radius;
+      const double radius = kReachOverWidth * *options_.bandwidth;
       for (std::size_t slot = first; slot < last; ++slot) {
         tree_.within(positions_[slot], static_cast<float>(radius), found);
         fit(slot, found, false, radius);

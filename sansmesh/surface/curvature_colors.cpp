@@ -34,7 +34,7 @@ float curvature_quantity(const PrincipalCurvatures& c, Quantity quantity) {
 }
 
 void CurvatureColorOptions::validate() const {
-  if (range && !(*range > 0 && std::isfinite(*range))) throw ArgumentError("`range` must be positive");
+  if (range && !(*range > 0 && std::isfinite(*range))) throw ArgumentError("`color_range` must be positive");
   curvature.validate();
 }
 

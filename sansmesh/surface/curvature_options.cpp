@@ -20,9 +20,10 @@ const OptionSchema& CurvatureOptions::schema() {
   static constexpr OptionRow rows[] = {
       option<&O::neighbours>(
           {.text = "Samples in a neighbourhood", .from_data = "from noise and shape", .range = {8, 2000}}),
-      option<&O::radius>({.text = "Width of the weights as one length, in place of `neighbours`",
-                          .unit = "length",
-                          .range = positive()}),
+      option<&O::bandwidth>({.text = "Width of the weights as one length, in place of `neighbours`",
+                             .unit = "length",
+                             .range = positive(),
+                             .old_name = "radius"}),
       option<&O::tau>({.text = "Exponent of the M-like weights", .unit = "exponent", .range = {1, 4}}),
       option<&O::weights>({.text = "m-like, gaussian or uniform", .unit = "choice", .choices = weights})};
   static constexpr OptionSchema schema{rows};

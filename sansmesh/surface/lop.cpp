@@ -415,13 +415,17 @@ void give_normals(PointSet& result, const PointSet& cloud, Progress& progress) {
 
 const OptionSchema& LopOptions::schema() {
   using O = LopOptions;
-  static constexpr OptionRow rows[] = {option<&O::radius>({.text = "lop: radius of the neighbourhoods",
-                                                           .unit = "length",
-                                                           .from_data = "from spacing and noise",
-                                                           .range = positive()}),
-                                       option<&O::repulsion>({.text = "lop: how strongly points keep apart",
-                                                              .unit = "share",
-                                                              .range = {.least = 0, .most = 0.5, .below = true}})};
+  static constexpr OptionRow rows[] = {
+      option<&O::radius>({.text = "lop: radius of the neighbourhoods",
+                          .unit = "length",
+                          .from_data = "from spacing and noise",
+                          .range = positive()}),
+      option<&O::repulsion>({.text = "lop: how strongly points keep apart",
+                             .unit = "share",
+                             .range = {.least = 0, .most = 0.5, .below = true}}),
+      option<&O::iterations>(
+          {.text = "lop: steps at most, fewer where points come to rest", .range = {1, 1000}, .name = "lop_steps"}),
+      option<&O::weighted>({.text = "lop: the result is as dense as the samples are", .negative = "unweighted"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }

@@ -143,7 +143,7 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
   if (mesh.triangles.empty()) throw DataError("there are no triangles: curvatures of points are those of a cloud");
   const PlaceGraph graph(mesh);
   std::size_t enough = 0;
-  if (!options.radius) {
+  if (!options.bandwidth) {
     PointSet places;  // copies of a vertex would be all of its nearest neighbours
     for (std::size_t v = 0; v < mesh.size(); ++v)
       if (graph.place[v] == v)
@@ -153,7 +153,7 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
                            : choose_curvature_neighbours(places, options.noise ? *options.noise : known_noise(places));
     enough = static_cast<std::size_t>(kMostOfNeighbours * wanted);
   }
-  const double within = options.radius ? detail::kReachOverWidth * *options.radius : 0;
+  const double within = options.bandwidth ? detail::kReachOverWidth * *options.bandwidth : 0;
   CurvatureOptions through = options, given = options;
   through.offset = given.offset = given.refit_normal = false;
   std::vector<PrincipalCurvatures> result(mesh.size());
@@ -167,9 +167,9 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
       const Vec3 normal = graph.normal[v];
       if (graph.place[v] != v || !(squared_norm(normal) > 0)) continue;
       const Vec3 x(mesh.positions[v]);
-      const auto& around =
-          walk.around(static_cast<std::uint32_t>(v), options.radius ? mesh.size() : enough,
-                      [&](std::uint32_t w) { return !options.radius || norm(Vec3(mesh.positions[w]) - x) <= within; });
+      const auto& around = walk.around(
+          static_cast<std::uint32_t>(v), options.bandwidth ? mesh.size() : enough,
+          [&](std::uint32_t w) { return !options.bandwidth || norm(Vec3(mesh.positions[w]) - x) <= within; });
       offsets.clear();
       double reach = 0;
       for (const std::uint32_t w : around) {
@@ -177,7 +177,7 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
         offsets.push_back(Vec3(mesh.positions[w]) - x);
         reach = std::max(reach, norm(offsets.back()));
       }
-      result[v] = fit_fewer_and_fewer(fitters, normal, offsets, options.radius ? within : reach);
+      result[v] = fit_fewer_and_fewer(fitters, normal, offsets, options.bandwidth ? within : reach);
     }
     progress.advance(end - begin);
   });

@@ -34,7 +34,7 @@ ReconstructionCoefficients fit_amls(const ReconstructionInput& input, const Amls
       spherical ? fit_local_polynomials(volume, input.values, how, spherical_metrics(volume), input.progress)
                 : fit_polynomials(volume, input.values, how, input.progress);
   const std::vector<float> least = support_radii(volume, fitted, 1);
-  const auto& asked = input.options.shape;
+  const auto& asked = input.options.epsilon;
   if (asked && input.options.iterations) {
     choice = {*asked, *input.options.iterations};
   } else {
@@ -71,13 +71,13 @@ static std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
   const AmlsShape phi = AmlsShape::of_order(order);
   ReconstructionCoefficients& fitted = input.coefficients;
   AmlsChoice choice;
-  if (input.options.shape) choice.shape = *input.options.shape;
+  if (input.options.epsilon) choice.shape = *input.options.epsilon;
   if (input.options.iterations) choice.iterations = *input.options.iterations;
   if (fitted.empty()) fitted = fit_amls(input, phi, choice);
   for (const std::uint8_t degree : fitted.polynomials.degrees)
     if (degree > 2) throw DataError("polynomials of amls are of degree 2 at most");
   ReconstructionOptions& chosen = input.report.options;
-  chosen.order = order, chosen.shape = choice.shape, chosen.iterations = choice.iterations;
+  chosen.order = order, chosen.epsilon = choice.shape, chosen.iterations = choice.iterations;
   auto locator = std::make_shared<const VolumeLocator>(*input.volume);
   return make_amls_blend(std::move(input.volume), std::move(locator), fitted.polynomials, fitted.radii,
                          std::move(input.values), phi);

@@ -5,12 +5,10 @@
 
 #include "sansmesh/grid_data.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/reconstruction_options.h"
 #include "sansmesh/sampled_volume.h"
 
 namespace sansmesh::inline v1 {
-
-/// What the values of an array belong to.
-enum class Association : std::uint8_t { points, cells };
 
 /// Where the array of that name is. Points, where both have one. Throws ArgumentError naming the arrays that there are
 /// where neither has.

@@ -68,7 +68,7 @@ class BernsteinTetrahedra final : public PointwiseField {
       : PointwiseField(std::move(tetrahedra), std::move(values)), slopes_(std::move(slopes)) {}
 
  protected:
-  std::uint8_t answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const override {
+  void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const override {
     std::array<Vec3, 4> corners, slopes, place_gradients{};
     std::array<double, 4> f, weights;
     std::array<Vec3, 8> shape{};
@@ -86,7 +86,6 @@ class BernsteinTetrahedra final : public PointwiseField {
       }
       values[c] = bernstein_cubic(corners, f, slopes, weights, place_gradients, gradients ? gradients + c : nullptr);
     }
-    return 3;
   }
 
  private:
@@ -103,7 +102,7 @@ class BernsteinLattice final : public PointwiseField {
   }
 
  protected:
-  std::uint8_t answer(const Vec3& x, const VolumePlace& /*place*/, double* values, Vec3* gradients) const override {
+  void answer(const Vec3& x, const VolumePlace& /*place*/, double* values, Vec3* gradients) const override {
     const Lattice& lattice = *volume().lattice;
     const Vec3 a = lattice.to_axes(x);
     std::array<std::size_t, 3> at, order{0, 1, 2};
@@ -148,7 +147,6 @@ class BernsteinLattice final : public PointwiseField {
         gradients[c] = lattice.directions[0] * gradient.x + lattice.directions[1] * gradient.y +
                        lattice.directions[2] * gradient.z;
     }
-    return 3;
   }
 
  private:

@@ -30,6 +30,14 @@ struct GroupedField::Block {
 };
 
 void GroupedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+  evaluate_all(x, {wanted.values, wanted.gradients, wanted.inside, {}});
+}
+
+void GroupedField::degrees(std::span<const Vec3> x, std::span<std::uint8_t> found) const {
+  evaluate_all(x, {{}, {}, {}, found});
+}
+
+void GroupedField::evaluate_all(std::span<const Vec3> x, const PolynomialAnswers& wanted) const {
   const std::size_t n = x.size(), c = components_;
   const auto fits = [n](std::size_t size, std::size_t each) { return size == 0 || size == n * each; };
   if (!fits(wanted.values.size(), c) || !fits(wanted.gradients.size(), c) || !fits(wanted.inside.size(), 1) ||
@@ -52,7 +60,7 @@ void GroupedField::spacing(std::span<const Vec3> x, std::span<double> found) con
 }
 
 void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::uint32_t> order, std::size_t first,
-                                  std::size_t last, const VolumeAnswers& wanted, Block& s) const {
+                                  std::size_t last, const PolynomialAnswers& wanted, Block& s) const {
   const std::size_t m = last - first;
   s.x.resize(m), s.at.resize(m), s.places.resize(m), s.keys.clear();
   for (std::size_t i = 0; i < m; ++i) {
@@ -98,7 +106,7 @@ void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::
   }
 }
 
-void GroupedField::answer_outside(Group& group, const VolumeAnswers& wanted, Block& s) const {
+void GroupedField::answer_outside(Group& group, const PolynomialAnswers& wanted, Block& s) const {
   const std::size_t n = group.size, c = components_;
   const auto to = group.to;
   std::iota(group.to.begin(), group.to.end(), 0u);

@@ -9,12 +9,13 @@
 #include <vector>
 
 #include "sansmesh/sampled_volume.h"
+#include "sansmesh/volume/degree_field.h"
 #include "sansmesh/volume/volume_locator.h"
 #include "sansmesh/volume_field.h"
 
 namespace sansmesh::inline v1 {
 
-class GroupedField : public VolumeField {
+class GroupedField : public VolumeField, public DegreeField {
  public:
   GroupedField(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeLocator> locator,
                std::size_t components)
@@ -23,6 +24,7 @@ class GroupedField : public VolumeField {
   Box3 bounds() const override { return volume_->bounds(); }
   std::size_t components() const override { return components_; }
   void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const final;
+  void degrees(std::span<const Vec3> x, std::span<std::uint8_t> found) const final;
   void spacing(std::span<const Vec3> x, std::span<double> found) const override;
 
  protected:
@@ -43,7 +45,7 @@ class GroupedField : public VolumeField {
 
   virtual std::unique_ptr<Memory> memory() const = 0;
   /// Puts in values, gradients and degrees, what is wanted of them. An answer must not depend on the others.
-  virtual void answer(const Group& group, Memory& memory, const VolumeAnswers& wanted) const = 0;
+  virtual void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const = 0;
 
   /// Whether values outside go on straight from the nearest places (held_outside), which answer() is asked for then.
   /// Otherwise it heeds `out` itself.
@@ -58,9 +60,10 @@ class GroupedField : public VolumeField {
 
  private:
   struct Block;
-  void answer_outside(Group& group, const VolumeAnswers& wanted, Block& block) const;
+  void evaluate_all(std::span<const Vec3> x, const PolynomialAnswers& wanted) const;
+  void answer_outside(Group& group, const PolynomialAnswers& wanted, Block& block) const;
   void evaluate_block(std::span<const Vec3> x, std::span<const std::uint32_t> order, std::size_t first,
-                      std::size_t last, const VolumeAnswers& wanted, Block& block) const;
+                      std::size_t last, const PolynomialAnswers& wanted, Block& block) const;
 
   std::shared_ptr<const SampledVolume> volume_;
   std::shared_ptr<const VolumeLocator> locator_;

@@ -53,15 +53,12 @@ ValueGradient tensor_sum(const double* f, std::size_t stride, std::size_t row, s
 template <class Axis>
 class LatticeField final : public PointwiseField {
  public:
-  LatticeField(std::shared_ptr<const SampledVolume> sampled, VolumeValues values, std::array<Axis, 3> axes, int degree)
-      : PointwiseField(std::move(sampled), std::move(values)),
-        axes_(std::move(axes)),
-        degree_(static_cast<std::uint8_t>(degree)) {}
+  LatticeField(std::shared_ptr<const SampledVolume> sampled, VolumeValues values, std::array<Axis, 3> axes)
+      : PointwiseField(std::move(sampled), std::move(values)), axes_(std::move(axes)) {}
 
   void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override {
     if (components() != 1 || wanted.values.size() != x.size() ||
-        (!wanted.gradients.empty() && wanted.gradients.size() != x.size()) || !wanted.inside.empty() ||
-        !wanted.degrees.empty())
+        (!wanted.gradients.empty() && wanted.gradients.size() != x.size()) || !wanted.inside.empty())
       return PointwiseField::evaluate(x, wanted);
     // What pictures ask for, a value and its gradient at many points, goes the shortest way.
     const Lattice& lattice = *volume().lattice;
@@ -85,7 +82,7 @@ class LatticeField final : public PointwiseField {
       if (outside.empty()) return;
       std::vector<double> values(outside.size());
       std::vector<Vec3> gradients(wanted.gradients.empty() ? 0 : outside.size());
-      PointwiseField::evaluate(outside, {values, gradients, {}, {}});
+      PointwiseField::evaluate(outside, {values, gradients});
       for (std::size_t k = 0; k < outside.size(); ++k) {
         wanted.values[of[k]] = values[k];
         if (!gradients.empty()) wanted.gradients[of[k]] = gradients[k];
@@ -94,9 +91,8 @@ class LatticeField final : public PointwiseField {
   }
 
  protected:
-  std::uint8_t answer(const Vec3& x, const VolumePlace& /*place*/, double* values, Vec3* gradients) const override {
+  void answer(const Vec3& x, const VolumePlace& /*place*/, double* values, Vec3* gradients) const override {
     at_axes(volume().lattice->to_axes(x), values, gradients);
-    return degree_;
   }
 
  private:
@@ -118,7 +114,6 @@ class LatticeField final : public PointwiseField {
   }
 
   std::array<Axis, 3> axes_;
-  std::uint8_t degree_;
 };
 
 const Lattice& lattice_of(const SampledVolume& volume, const char* method, bool uniform) {
@@ -130,11 +125,10 @@ const Lattice& lattice_of(const SampledVolume& volume, const char* method, bool 
 
 /// Makes the field with an axis for each set of coordinates.
 template <class Axis, class MakeAxis>
-std::unique_ptr<VolumeField> lattice_field(ReconstructionInput& input, int degree, const MakeAxis& make) {
+std::unique_ptr<VolumeField> lattice_field(ReconstructionInput& input, const MakeAxis& make) {
   const Lattice& lattice = *input.volume->lattice;
   std::array<Axis, 3> axes{make(lattice.axes[0]), make(lattice.axes[1]), make(lattice.axes[2])};
-  return std::make_unique<LatticeField<Axis>>(std::move(input.volume), std::move(input.values), std::move(axes),
-                                              degree);
+  return std::make_unique<LatticeField<Axis>>(std::move(input.volume), std::move(input.values), std::move(axes));
 }
 
 }  // namespace
@@ -142,14 +136,14 @@ std::unique_ptr<VolumeField> lattice_field(ReconstructionInput& input, int degre
 
 static std::unique_ptr<VolumeField> make_cubic_field(ReconstructionInput input) {
   const Lattice& lattice = detail::lattice_of(*input.volume, "cubic", false);
-  return detail::lattice_field<detail::CubicAxis>(input, 3, [&](std::span<const double> knots) {
+  return detail::lattice_field<detail::CubicAxis>(input, [&](std::span<const double> knots) {
     return detail::CubicAxis(knots, lattice.uniform, input.options.b, input.options.c);
   });
 }
 
 static std::unique_ptr<VolumeField> make_sinc_field(ReconstructionInput input) {
   detail::lattice_of(*input.volume, "sinc", true);
-  return detail::lattice_field<detail::SincAxis>(input, 0,
+  return detail::lattice_field<detail::SincAxis>(input,
                                                  [](std::span<const double> knots) { return detail::SincAxis(knots); });
 }
 
@@ -158,9 +152,8 @@ static std::unique_ptr<VolumeField> make_lagrange_field(ReconstructionInput inpu
   const Lattice& lattice = detail::lattice_of(*input.volume, "lagrange", false);
   const int degree = input.report.options.degree.emplace(input.options.degree.value_or(kDegree));
   check_range("degree", degree, 1, 5);
-  return detail::lattice_field<detail::LagrangeAxis>(input, degree, [&](std::span<const double> knots) {
-    return detail::LagrangeAxis(knots, lattice.uniform, degree);
-  });
+  return detail::lattice_field<detail::LagrangeAxis>(
+      input, [&](std::span<const double> knots) { return detail::LagrangeAxis(knots, lattice.uniform, degree); });
 }
 
 namespace {

@@ -31,8 +31,7 @@ class LinearField final : public detail::LocatedField {
     const std::size_t n = components();
     const auto fits = [](std::size_t size, std::size_t want) { return size == 0 || size == want; };
     const bool lattice = volume().lattice && fits(wanted.values.size(), x.size() * n) &&
-                         fits(wanted.gradients.size(), x.size() * n) && fits(wanted.inside.size(), x.size()) &&
-                         fits(wanted.degrees.size(), x.size());
+                         fits(wanted.gradients.size(), x.size() * n) && fits(wanted.inside.size(), x.size());
     if (lattice && n == 1) return in_lattice<1>(x, wanted);
     if (lattice && n == 2) return in_lattice<2>(x, wanted);
     if (lattice && n == 3) return in_lattice<3>(x, wanted);
@@ -54,7 +53,6 @@ class LinearField final : public detail::LocatedField {
         Vec3* const gradients = wanted.gradients.empty() ? slope_store.data() : wanted.gradients.data() + i * N;
         const bool inside = at_lattice<N>(x[i], slack, values, gradients, !wanted.gradients.empty());
         if (!wanted.inside.empty()) wanted.inside[i] = inside;
-        if (!wanted.degrees.empty()) wanted.degrees[i] = is_finite(x[i]) ? 1 : 0;
       }
     });
   }
@@ -114,7 +112,6 @@ class LinearField final : public detail::LocatedField {
 
   void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const override {
     if (!wanted.inside.empty()) wanted.inside[i] = place.inside;
-    if (!wanted.degrees.empty()) wanted.degrees[i] = 1;
     if (wanted.values.empty() && wanted.gradients.empty()) return;
     const std::size_t n = samples().components;
     if (place.inside && !between_cells_ && !wanted.values.empty() && n == 3) return three_at(i, x, place, wanted);
@@ -222,7 +219,6 @@ class NearestField final : public detail::LocatedField {
  private:
   void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const override {
     if (!wanted.inside.empty()) wanted.inside[i] = place.inside;
-    if (!wanted.degrees.empty()) wanted.degrees[i] = 0;
     const std::size_t n = samples().components;
     if (!wanted.gradients.empty())
       std::fill_n(wanted.gradients.begin() + static_cast<std::ptrdiff_t>(i * n), n, Vec3{});

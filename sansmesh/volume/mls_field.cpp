@@ -170,7 +170,7 @@ class MlsField final : public GroupedField {
     for (std::size_t first = 0; first < n; first += chunk) {
       std::vector<Vec3> x(std::min(chunk, n - first));
       for (std::size_t i = 0; i < x.size(); ++i) x[i] = volume().position(first + i);
-      evaluate(x, {std::span(residuals).subspan(first * c, x.size() * c), {}, {}, {}});
+      evaluate(x, {std::span(residuals).subspan(first * c, x.size() * c)});
       progress.advance();
     }
     for (std::size_t i = 0; i < residuals.size(); ++i) residuals[i] = values_.values[i] - residuals[i];
@@ -261,7 +261,7 @@ class MlsField final : public GroupedField {
     });
   }
 
-  void answer(const Group& group, Memory& memory, const VolumeAnswers& wanted) const override {
+  void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const override {
     static_assert(MlsTile::kTile == kMostPoints);
     Lists& lists = static_cast<Lists&>(memory);
     MlsTile& tile = lists.tile;

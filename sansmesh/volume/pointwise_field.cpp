@@ -52,14 +52,13 @@ void LocatedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted
   const std::size_t n = components();
   const auto fits = [](std::size_t size, std::size_t want) { return size == 0 || size == want; };
   if (!fits(wanted.values.size(), x.size() * n) || !fits(wanted.gradients.size(), x.size() * n) ||
-      !fits(wanted.inside.size(), x.size()) || !fits(wanted.degrees.size(), x.size()))
+      !fits(wanted.inside.size(), x.size()))
     throw ArgumentError("VolumeField: the answers are not as many as the points");
   for_each_place(x, [&](std::size_t i, const VolumePlace& place) {
     if (is_finite(x[i])) return answer_at(i, x[i], place, wanted);
     if (!wanted.values.empty()) std::fill_n(wanted.values.data() + i * n, n, 0.0);
     if (!wanted.gradients.empty()) std::fill_n(wanted.gradients.data() + i * n, n, Vec3{});
     if (!wanted.inside.empty()) wanted.inside[i] = 0;
-    if (!wanted.degrees.empty()) wanted.degrees[i] = 0;
   });
 }
 
@@ -79,32 +78,30 @@ Vec3 LocatedField::position_of(const VolumePlace& place) const {
 void PointwiseField::answer_at(std::size_t i, const Vec3& x, const VolumePlace& place,
                                const VolumeAnswers& wanted) const {
   if (!wanted.inside.empty()) wanted.inside[i] = place.inside;
-  if (wanted.values.empty() && wanted.gradients.empty() && wanted.degrees.empty()) return;
+  if (wanted.values.empty() && wanted.gradients.empty()) return;
   const std::size_t n = components();
   static thread_local std::vector<double> value;
   static thread_local std::vector<Vec3> slope;
   value.assign(n, 0), slope.assign(n, {});
   double* const values = wanted.values.empty() ? value.data() : wanted.values.data() + i * n;
   Vec3* const gradients = wanted.gradients.empty() ? slope.data() : wanted.gradients.data() + i * n;
-  std::uint8_t degree = 0;
   if (place.inside) {
-    degree = answer(x, place, values, wanted.gradients.empty() ? nullptr : gradients);
+    answer(x, place, values, wanted.gradients.empty() ? nullptr : gradients);
   } else {
     const Vec3 nearest = position_of(place);
-    degree = answer(nearest, place, values, gradients);
+    answer(nearest, place, values, gradients);
     const Vec3 beyond = held_outside(volume(), place, x - nearest);
     for (std::size_t c = 0; c < n; ++c) values[c] += dot(gradients[c], beyond);
   }
-  if (!wanted.degrees.empty()) wanted.degrees[i] = degree;
 }
 
-std::uint8_t WeightedField::answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const {
+void WeightedField::answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const {
   static thread_local std::vector<SampleWeight> found;
   weights(x, place, gradients != nullptr, found);
   const std::size_t n = components();
   std::fill_n(values, n, 0);
   if (gradients) std::fill_n(gradients, n, Vec3{});
-  if (found.empty()) return 0;
+  if (found.empty()) return;
   // Gradients as sums of differences: large slopes of opposite sign leave nothing of a constant.
   const double* const base = samples().values.data() + found.front().sample * n;
   for (const SampleWeight& w : found) {
@@ -114,7 +111,6 @@ std::uint8_t WeightedField::answer(const Vec3& x, const VolumePlace& place, doub
       if (gradients) gradients[c] += w.slope * (f[c] - base[c]);
     }
   }
-  return 0;
 }
 
 }  // namespace sansmesh::inline v1::detail

@@ -52,9 +52,8 @@ class PointwiseField : public LocatedField {
   using LocatedField::LocatedField;
 
  protected:
-  /// The answer at x, a place of the volume: components() values, and as many gradients unless that is null. Returns
-  /// the degree of the polynomials behind the answer.
-  virtual std::uint8_t answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const = 0;
+  /// The answer at x, a place of the volume: components() values, and as many gradients unless that is null.
+  virtual void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const = 0;
   void answer_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const final;
 };
 
@@ -73,7 +72,7 @@ class WeightedField : public PointwiseField {
  protected:
   /// Replaces `out` by the weights at x, slopes where wanted.
   virtual void weights(const Vec3& x, const VolumePlace& place, bool slopes, std::vector<SampleWeight>& out) const = 0;
-  std::uint8_t answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const final;
+  void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const final;
 };
 
 }  // namespace sansmesh::inline v1::detail

@@ -265,7 +265,7 @@ class RbfField final : public PointwiseField {
       : PointwiseField(std::move(sampled), std::move(values)), systems_(volume(), samples(), reach, progress) {}
 
  protected:
-  std::uint8_t answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const override {
+  void answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const override {
     static thread_local std::vector<SampleSupports::Cover> covers;
     static thread_local std::vector<double> value;
     static thread_local std::vector<Vec3> gradient, sums;
@@ -307,7 +307,6 @@ class RbfField final : public PointwiseField {
       values[k] /= sum;
       if (gradients) gradients[k] = (sums[k] - slope * values[k]) / sum;
     }
-    return 1;
   }
 
  private:

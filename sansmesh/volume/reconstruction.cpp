@@ -13,6 +13,7 @@
 #include "sansmesh/field/scaled_volume.h"
 #include "sansmesh/volume/choose_reconstruction.h"
 #include "sansmesh/volume/reconstruction_input.h"
+#include "sansmesh/volume/volume_traits.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -71,7 +72,7 @@ void check_not_lost(const VolumeValues& values, double scale, std::string_view m
   if (std::any_of(away.begin(), away.end(), [&](double a) { return a >= kLost * most && a < kApart * most; })) return;
   throw DataError(
       fmt::format("array '{}': values of up to {:.4g} stand so far apart from the rest, which spans about {:.4g}, that "
-                  "{} loses it beside them: say what stands for missing values (`fill_values`), or choose the method "
+                  "{} loses it beside them: say what stands for missing values (`fill_value`), or choose the method "
                   "linear",
                   printable(values.name, 60), most, rest, method));
 }

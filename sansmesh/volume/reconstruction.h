@@ -5,9 +5,9 @@
 #include <string>
 
 #include "sansmesh/progress.h"
+#include "sansmesh/reconstruction_options.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/reconstruction_coefficients.h"
-#include "sansmesh/volume/reconstruction_options.h"
 #include "sansmesh/volume/volume_method.h"
 #include "sansmesh/volume_field.h"
 

@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "sansmesh/progress.h"
+#include "sansmesh/reconstruction_options.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume/reconstruction_coefficients.h"
-#include "sansmesh/volume/reconstruction_options.h"
 #include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh::inline v1 {

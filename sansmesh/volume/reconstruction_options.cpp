@@ -1,4 +1,4 @@
-#include "sansmesh/volume/reconstruction_options.h"
+#include "sansmesh/reconstruction_options.h"
 
 #include <string>
 
@@ -21,8 +21,10 @@ const OptionSchema& ReconstructionOptions::schema() {
                           .needs = "method"}),
       option<&O::iterations>(
           {.text = "Times that residuals are added (amls)", .range = {.least = 0, .most = 100}, .needs = "method"}),
-      option<&O::shape>(
-          {.text = "ε of amls: small is smooth", .range = {.least = 0.05, .most = 10}, .needs = "method"}),
+      option<&O::epsilon>({.text = "Of amls: shape parameter, small is smooth",
+                           .range = {.least = 0.05, .most = 10},
+                           .needs = "method",
+                           .old_name = "shape"}),
       option<&O::order>({.text = "Of amls: 2, 4 or 6", .unit = "order", .needs = "method"}),
       option<&O::spherical>({.text = "Of amls: whether supports are balls, not ellipsoids; for comparison, not for "
                                      "uniform and rectilinear grids",

@@ -1,5 +1,5 @@
 // Which methods a volume is offered: figure 7.2 of [tejada2008], case by case.
-#include "sansmesh/advise/advise_volume.h"
+#include "sansmesh/volume_advice.h"
 
 #include <gtest/gtest.h>
 

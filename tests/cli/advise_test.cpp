@@ -43,7 +43,7 @@ TEST_F(AdviseCommand, CommandsItPrintsRun) {
       arguments.erase(arguments.begin());
       if (const auto preview = std::find(arguments.begin(), arguments.end(), "--preview"); preview != arguments.end())
         arguments.erase(preview, preview + 2);  // takes long, and is the same for all commands
-      if (arguments[0] == "render") arguments.insert(arguments.end(), {"--width", "64", "--height", "48", "--plain"});
+      if (arguments[0] == "render") arguments.insert(arguments.end(), {"--width", "64", "--height", "48", "--quick"});
       const Outcome one = run(arguments);
       EXPECT_EQ(one.code, 0) << line << "\n" << one.err;
     }

@@ -241,6 +241,42 @@ TEST_F(CommandLineTool, OldNamesAreUnderstood) {
   }
 }
 
+/// Of a command no name of the version before means something else now.
+TEST_F(CommandLineTool, OldNamesMeanNothingElse) {
+  const auto schema = nlohmann::json::parse(run({"schema"}).out);
+  std::size_t old_names = 0;
+  for (const auto& command : schema["commands"]) {
+    const std::string name = command["name"];
+    std::multiset<std::string> understood;
+    Words words, old;
+    std::istringstream parts(name);
+    for (std::string word; parts >> word;) words.push_back(word);
+    for (const auto& option : command["options"]) {
+      for (const auto& one : option["names"]) understood.insert(one);
+      if (!option.contains("old_names")) continue;
+      for (const auto& one : option["old_names"]) understood.insert(one), old.push_back(one);
+    }
+    for (const std::string& one : understood) EXPECT_EQ(understood.count(one), 1u) << name << " " << one;
+    old_names += old.size();
+    if (old.empty()) continue;
+    // All at once: a name that is not known is told before what is wrong with values.
+    for (const std::string& one : old) words.push_back(one + "=1");
+    EXPECT_EQ(run(words).err.find("unknown option"), std::string::npos) << name << run(words).err;
+  }
+  EXPECT_GT(old_names, 40u);
+  for (const auto& [line, now] : std::vector<std::pair<Words, std::string>>{
+           {{"convert", "scan.ply", "-o", "a.ply", "--crop", "-9,-9,-9,9,9,9"}, "--crop is now called --box"},
+           {{"convert", "scan.ply", "-o", "a.ply", "--count=3"}, "--count is now called --point-count"},
+           {{"flow", "render", "rotation", "-o", "l.png", "--seeds", "line(0.2,0,0, 1,0,0, 9)", "--duration", "0.1",
+             "--width", "40", "--height", "30", "--no-bar", "--smooth"},
+            "--smooth is now called --no-streaks"}}) {
+    write_points(path("scan.ply"), sphere(100));
+    const Outcome outcome = run(line);
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_NE(outcome.err.find(now), std::string::npos) << outcome.err;
+  }
+}
+
 /// With --json what went wrong is data, too.
 TEST_F(CommandLineTool, ErrorsAreDataWhereTheyAreWanted) {
   write_points(path("scan.ply"), sphere(100));
@@ -274,8 +310,10 @@ TEST_F(CommandLineTool, HelpIsAskedForInEveryWay) {
   EXPECT_EQ(run({"help", "volume", "probe", "--all"}).out, all);
   EXPECT_NE(all.find("\nReconstruction:\n"), std::string::npos) << all;
   // What is not used first has its name there, and a way to it.
-  EXPECT_EQ(help.find("\nReconstruction:\n"), std::string::npos) << help;
-  EXPECT_NE(help.find("\n  reconstruction"), std::string::npos) << help;
+  EXPECT_NE(all.find("\n  --iterations COUNT "), std::string::npos) << all;
+  EXPECT_EQ(help.find("\n  --iterations COUNT "), std::string::npos) << help;
+  EXPECT_NE(help.find("\n  reconstruction "), std::string::npos) << help;
+  EXPECT_NE(help.find(" --iterations "), std::string::npos) << help;
   const std::string group = run({"help", "volume", "probe", "reconstruction"}).out;
   EXPECT_TRUE(group.starts_with("Reconstruction:\n")) << group;
   EXPECT_NE(all.find(group), std::string::npos) << group;
@@ -285,6 +323,37 @@ TEST_F(CommandLineTool, HelpIsAskedForInEveryWay) {
   expect_line({"help", "mesh", "--json"}, "--json means nothing to help (see sansmesh help help)");
   std::istringstream lines(run({"help", "reconstruct"}).out);
   for (std::string line; std::getline(lines, line) && line.find("Reads") != 0;) EXPECT_LE(line.size(), 120u) << line;
+}
+
+/// Help shows twenty options at most and those of every command; views are told of once, variants of sources apart.
+TEST_F(CommandLineTool, HelpShowsWhatPeopleUseFirst) {
+  SANSMESH_NOT_SANITIZED("runs that end alike");
+  const auto schema = nlohmann::json::parse(run({"schema"}).out);
+  const std::size_t common = schema["common"].size() - 1;  // but for --version
+  for (const auto& [command, all] : commands()) {
+    const std::string help = run(command + Words{"--help"}).out;
+    const std::size_t shown = options_of(help.substr(0, help.find("\nMore options"))).size();
+    EXPECT_LE(shown, 20 + common) << spaced(command) << help;
+    EXPECT_GE(options_of(all).size(), shown) << spaced(command);
+    EXPECT_EQ(help.find("\n  --azimuth"), std::string::npos) << spaced(command);
+    if (all.find("\n  --azimuth") != std::string::npos)
+      EXPECT_NE(help.find("sansmesh help view"), std::string::npos) << help;
+  }
+  const std::string view = run({"help", "view"}).out;
+  EXPECT_NE(view.find("\nView:\n"), std::string::npos) << view;
+  EXPECT_NE(view.find("\n  --azimuth DEGREES"), std::string::npos) << view;
+  const std::string sources = run({"help", "reconstruct", "as-in-the-sources"}).out;
+  EXPECT_NE(sources.find("\n  --mesher "), std::string::npos) << sources;
+  EXPECT_NE(sources.find("\n  --tau "), std::string::npos) << sources;
+  // The level is one of a command: --array is what flows are asked for first, and simulations last.
+  const auto level = [&](const std::string& name, const std::string& flag) -> std::string {
+    for (const auto& command : schema["commands"])
+      for (const auto& option : command["options"])
+        if (command["name"] == name && option["names"].back() == flag) return option["level"];
+    return "";
+  };
+  EXPECT_EQ(level("flow lines", "--array"), "basic");
+  EXPECT_EQ(level("simulate", "--array"), "advanced");
 }
 
 TEST_F(CommandLineTool, ACommandAloneTeaches) {
@@ -371,7 +440,7 @@ TEST_F(CommandLineTool, TheJsonOfEveryCommandHasItsWarnings) {
        {"rotation", "--seeds", "point(0.5,0,0); point(99,99,99)", "--duration", "0.1", "-o", "x.ply"}},
       {{"flow", "surface"}, {"rotation", "--seeds", circle, "--duration", "0.1", "-o", "x.ply"}},
       {{"flow", "render"},
-       Words{"rotation", "--seeds", circle, "--duration", "0.1", "--smooth", "-o", "x.png"} + small}};
+       Words{"rotation", "--seeds", circle, "--duration", "0.1", "--no-streaks", "-o", "x.png"} + small}};
   std::size_t warned = 0;
   for (const auto& [command, help] : commands()) {
     const auto found = rest.find(command);

@@ -120,7 +120,7 @@ TEST_F(Convert, OneWarningSaysWhatAFormatCannotHold) {
   for (const char* word : {"normals", "colours", "gps_time", "label", "patch of triangles"})
     EXPECT_NE(stl.err.find(word), std::string::npos) << stl.err;
   EXPECT_NE(convert({"a.ply", "-o", "a.csv"}).err.find("12 triangles left out"), std::string::npos);
-  EXPECT_EQ(convert({"a.ply", "--points", "-o", "p.ply"}).err, "");
+  EXPECT_EQ(convert({"a.ply", "--vertices-only", "-o", "p.ply"}).err, "");
   EXPECT_TRUE(read_points(path("p.ply")).triangles.empty());
   EXPECT_EQ(convert({"a.ply", "-o", "b.vtp"}).err, "");
   const TriangleMesh a = read_mesh(path("a.ply")), b = read_mesh(path("b.vtp"));
@@ -147,7 +147,7 @@ TEST_F(Convert, StepsRunInTheOrderOfTheCommandLine) {
   EXPECT_EQ(read_points(path("c.ply")).positions[0], (Vec3f{2000, 5000, 0}));
   convert({"p.xyz", "-o", "d.ply", "--about", "1,0,0", "--rotate", "z,180", "--up", "z"});
   EXPECT_EQ(read_points(path("d.ply")).positions[1], (Vec3f{2, 0, -2}));
-  convert({"p.xyz", "-o", "e.ply", "--center", "--axes", "y,x,z"});
+  convert({"p.xyz", "-o", "e.ply", "--center", "--new-axes", "y,x,z"});
   EXPECT_EQ(read_points(path("e.ply")).positions[1], (Vec3f{1, -0.5f, 0}));
   write_transform(path("m.txt"), AffineMap::rotation({1, 2, 3}, 40).about({5, 6, 7}));
   convert({"p.xyz", "-o", "f.ply", "--transform", "m.txt", "--inverse-transform", "m.txt"});
@@ -185,9 +185,9 @@ TEST_F(Convert, WeldCropAndSplit) {
   expect_failures(
       {{{"convert", "a.ply", "-o", "q.ply", "--split", "--min-size", "3"}, 1, {"6,600 parts", "3 triangles"}}});
 
-  convert({"b.ply", "-o", "half.ply", "--crop", "-1,-1,-1,0.5,9,9"});
+  convert({"b.ply", "-o", "half.ply", "--box", "-1,-1,-1,0.5,9,9"});
   EXPECT_NEAR(measure_size(read_mesh(path("half.ply"))).area, 3, 1e-5);  // open where it is cut
-  convert({"half.ply", "-o", "rest.ply", "--crop-out", "0.25,-1,-1,9,9,9"});
+  convert({"half.ply", "-o", "rest.ply", "--outside-box", "0.25,-1,-1,9,9,9"});
   EXPECT_NEAR(measure_size(read_mesh(path("rest.ply"))).area, 2, 1e-5);
 }
 
@@ -195,8 +195,8 @@ TEST_F(Convert, CloudsAreThinnedSplitMergedAndChosen) {
   write("a.las", survey().bytes());
   const std::size_t n = read_points(path("a.las")).size();
   EXPECT_EQ(json_of({"convert", "a.las", "-o", "b.ply", "--every", "7"})["outputs"][0]["points"], (n + 6) / 7);
-  EXPECT_EQ(json_of({"convert", "a.las", "-o", "b.ply", "--count", "100"})["outputs"][0]["points"], 100);
-  convert({"a.las", "-o", "thin.ply", "--spacing", "3"});
+  EXPECT_EQ(json_of({"convert", "a.las", "-o", "b.ply", "--point-count", "100"})["outputs"][0]["points"], 100);
+  convert({"a.las", "-o", "thin.ply", "--point-spacing", "3"});
   const PointSet thin = read_points(path("thin.ply"));
   for (std::size_t i = 0; i < thin.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) ASSERT_GE(norm(thin.positions[i] - thin.positions[j]), 2.9999f);
@@ -217,7 +217,7 @@ TEST_F(Convert, CloudsAreThinnedSplitMergedAndChosen) {
   EXPECT_EQ(read_points(path("once.ply")).size(), 2 * n);
   EXPECT_FALSE(read_points(path("once.ply")).attributes.find("source"));
   // Onto itself.
-  convert({"once.ply", "-o", "once.ply", "--count", "3"});
+  convert({"once.ply", "-o", "once.ply", "--point-count", "3"});
   EXPECT_EQ(read_points(path("once.ply")).size(), 3u);
 }
 
@@ -229,21 +229,21 @@ TEST_F(Convert, FailuresSayWhatToDo) {
       {{"convert", "p.xyz", "-o", "p.stl"}, 1, {"p.stl", "reconstruct"}},
       {{"convert", "p.xyz", "-o", "p.pwn"}, 1, {"read, not written"}},
       {{"convert", "p.xyz", "-o", "p.foo"}, 1, {".foo"}},
-      {{"convert", "p.xyz", "-o", "q.ply", "--crop", "5,5,5,6,6,6"}, 1, {"--crop leaves nothing", "(1, 1, 1)"}},
-      {{"convert", "m.ply", "-o", "q.ply", "--crop", "5,5,5,6,6,6"}, 1, {"--crop leaves nothing", "12 triangles"}},
-      {{"convert", "p.xyz", "-o", "q.ply", "--crop", "5,5,5,4,6,6"}, 2, {"--crop", "least"}},
-      {{"convert", "p.xyz", "-o", "q.ply", "--crop", "5,5"}, 2, {"--crop"}},
+      {{"convert", "p.xyz", "-o", "q.ply", "--box", "5,5,5,6,6,6"}, 1, {"--crop leaves nothing", "(1, 1, 1)"}},
+      {{"convert", "m.ply", "-o", "q.ply", "--box", "5,5,5,6,6,6"}, 1, {"--crop leaves nothing", "12 triangles"}},
+      {{"convert", "p.xyz", "-o", "q.ply", "--box", "5,5,5,4,6,6"}, 2, {"--box", "least"}},
+      {{"convert", "p.xyz", "-o", "q.ply", "--box", "5,5"}, 2, {"--box"}},
       {{"convert", "p.xyz", "-o", "q.ply", "--rotate", "w,9"}, 2, {"--rotate", "z,90"}},
       {{"convert", "p.xyz", "-o", "q.ply", "--scale", "0"}, 2, {"--scale"}},
       {{"convert", "p.xyz", "-o", "q.ply", "--unit", "furlong"}, 2, {"--unit", "mm"}},
       {{"convert", "p.xyz", "-o", "q.ply", "--to-unit", "mm"}, 2, {"--unit"}},
-      {{"convert", "p.xyz", "-o", "q.ply", "--axes", "x,x,y"}, 2, {"--axes"}},
+      {{"convert", "p.xyz", "-o", "q.ply", "--new-axes", "x,x,y"}, 2, {"--new-axes"}},
       {{"convert", "p.xyz", "-o", "q.ply", "--transform", "flat.txt"}, 1, {"flat.txt", "inverse"}},
       {{"convert", "p.xyz", "-o", "q.ply", "--transform", "none.txt"}, 1, {"none.txt"}},
       {{"convert", "p.xyz", "-o", "q.ply", "--flip"}, 1, {"--flip", "normals"}},
       {{"convert", "p.xyz", "-o", "q.ply", "--flip-faces"}, 1, {"--flip-faces is for meshes"}},
       {{"convert", "p.xyz", "-o", "q.ply", "--drop", "foo"}, 1, {"--drop", "'foo'"}},
-      {{"convert", "m.ply", "-o", "q.ply", "--spacing", "1"}, 1, {"--spacing", "--points"}},
+      {{"convert", "m.ply", "-o", "q.ply", "--point-spacing", "1"}, 1, {"--point-spacing", "--vertices-only"}},
       {{"convert", "m.ply", "p.xyz", "-o", "q.ply"}, 1, {"points and meshes"}},
       {{"convert", "p.xyz", "-o", "q.ply", "--min-size", "4"}, 2, {"--split"}},
       {{"convert", "p.xyz", "-o", "q.ply", "--unit", "mm", "--to-unit", "m", "--to-unit", "cm"},

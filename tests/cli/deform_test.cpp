@@ -126,9 +126,9 @@ TEST_F(DeformTool, ResamplesAndDrawsVolumes) {
   EXPECT_NEAR(values.number(24 + 33 * (8 + 17 * 8)), 3, 0.1);
   EXPECT_NEAR(values.number(16 + 33 * (12 + 17 * 8)), 3, 0.1);
   const Outcome picture =
-      run({"deform",   kBallFile, "--handles",   "wide.csv", "--kind",         "affine",       "-o",      "b.png",
-           "--iso",    "2",       "--opacity",   "0",        "--draw-handles", "--draw-folds", "--width", "64",
-           "--height", "48",      "--map-nodes", "16"});
+      run({"deform",   kBallFile, "--handles",        "wide.csv", "--kind",         "affine",       "-o",      "b.png",
+           "--iso",    "2",       "--opacity-factor", "0",        "--draw-handles", "--draw-folds", "--width", "64",
+           "--height", "48",      "--map-nodes",      "16"});
   ASSERT_EQ(picture.code, 0) << picture.err;
   EXPECT_EQ(slurp(path("b.png")).substr(1, 3), "PNG");
 }

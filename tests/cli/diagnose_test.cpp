@@ -25,8 +25,8 @@ class DiagnoseCommand : public ToolTest {
 
 TEST_F(DiagnoseCommand, FindsStraysAndItsScriptMendsThem) {
   fit_scan();
-  const Outcome found = run({"diagnose", "scan.smf", "--script", "edits.json", "--preview", "places.png", "--json",
-                             "--width", "200", "--height", "150"});
+  const Outcome found = run({"diagnose", "scan.smf", "--script-output", "edits.json", "--preview", "places.png",
+                             "--json", "--width", "200", "--height", "150"});
   ASSERT_EQ(found.code, 0) << found.err;
   const Json json = Json::parse(found.out);
   Json extra = Json::array();
@@ -67,7 +67,7 @@ TEST_F(DiagnoseCommand, ListsEveryPlaceOrSaysHowManyMore) {
   EXPECT_EQ(json["found"]["extra sheet"], 7);
   EXPECT_EQ(lines_at(all.out), json["places"].size()) << all.out;
   for (std::size_t i = 0; i < json["places"].size(); ++i) EXPECT_EQ(json["places"][i]["number"], i + 1);
-  const Outcome some = run({"diagnose", "scan.smf", "--places", "5", "--script", "edits.json"});
+  const Outcome some = run({"diagnose", "scan.smf", "--places", "5", "--script-output", "edits.json"});
   EXPECT_NE(some.out.find("and 2 more: --places 7 lists all"), std::string::npos) << some.out;
   EXPECT_NE(some.out.find("; step 1\n"), std::string::npos) << some.out;
 
@@ -107,9 +107,9 @@ TEST_F(DiagnoseCommand, BadInputIsOneLine) {
   expect_failures({
       {{"diagnose", "missing.smf"}, 1, {"missing.smf"}},
       {{"diagnose", "scan.ply"}, 1, {"not a function file"}},
-      {{"diagnose", "scan.smf", "--gradient", "0.5"}, 2, {"gradient"}},
-      {{"diagnose", "scan.smf", "--coverage", "3"}, 2, {"coverage"}},
-      {{"diagnose", "scan.smf", "--script", "nowhere/e.json"}, 1, {"folder"}},
+      {{"diagnose", "scan.smf", "--gradient-above", "0.5"}, 2, {"gradient"}},
+      {{"diagnose", "scan.smf", "--coverage-below", "3"}, 2, {"coverage"}},
+      {{"diagnose", "scan.smf", "--script-output", "nowhere/e.json"}, 1, {"folder"}},
       {{"diagnose", "scan.smf", "--pictures", "places.jpg"}, 1, {"places.jpg"}},
       {{"diagnose", "scan.smf", "--separate"}, 2, {"--pictures"}},
   });

@@ -24,7 +24,7 @@ class FlowRenderTool : public ToolTest {
 
 TEST_F(FlowRenderTool, DrawsWithStreaksWithoutAndAsSplats) {
   for (const std::vector<std::string>& look :
-       {std::vector<std::string>{}, {"--smooth"}, {"--splats"}, {"--opacity", "0.5"}, {"--color-by", "speed"}}) {
+       {std::vector<std::string>{}, {"--no-streaks"}, {"--splats"}, {"--opacity", "0.5"}, {"--color-by", "speed"}}) {
     std::vector<std::string> all = {"-o", path("a.png"), "--background", "white", "--json"};
     all.insert(all.end(), look.begin(), look.end());
     const Outcome o = render(all);
@@ -48,8 +48,9 @@ TEST_F(FlowRenderTool, FramesDiffer) {
 
 TEST_F(FlowRenderTool, StandsBesideOtherSurfaces) {
   ASSERT_EQ(run({"csg", "sphere(0.5)", "-o", path("ball.ply"), "--cell", "0.05"}).code, 0);
-  const Outcome alone = render({"-o", path("a.png"), "--smooth", "--color-by", "none"});
-  const Outcome beside = render({"-o", path("b.png"), "--smooth", "--color-by", "none", "--mesh", path("ball.ply")});
+  const Outcome alone = render({"-o", path("a.png"), "--no-streaks", "--color-by", "none"});
+  const Outcome beside =
+      render({"-o", path("b.png"), "--no-streaks", "--color-by", "none", "--mesh", path("ball.ply")});
   ASSERT_EQ(alone.code, 0) << alone.err;
   ASSERT_EQ(beside.code, 0) << beside.err;
   EXPECT_NE(slurp(path("a.png")), slurp(path("b.png")));
@@ -62,12 +63,12 @@ TEST_F(FlowRenderTool, SaysWhatDoesNotGoTogether) {
     all.insert(all.end(), arguments.begin(), arguments.end());
     return Failing{all, code, {word}};
   };
-  expect_failures({failing({"--frames", "1"}, 2, "--frames"), failing({"--turn", "90"}, 2, "--frames"),
-                   failing({"--frames", "4", "--smooth"}, 2, "--turn"),
-                   failing({"--volume-opacity", "2"}, 2, "--volume"), failing({"--iso", "1"}, 2, "a flow of a file"),
-                   failing({"--color-by", "pressure"}, 2, "a steady flow of a file"),
-                   failing({"--opacity", "2"}, 2, "--opacity"), failing({"--streak-length", "0"}, 2, "--streak-length"),
-                   failing({"--mesh", "none.ply"}, 1, "none.ply")});
+  expect_failures(
+      {failing({"--frames", "1"}, 2, "--frames"), failing({"--turn", "90"}, 2, "--frames"),
+       failing({"--frames", "4", "--no-streaks"}, 2, "--turn"), failing({"--opacity-factor", "2"}, 2, "--volume-array"),
+       failing({"--iso", "1"}, 2, "a flow of a file"),
+       failing({"--color-by", "pressure"}, 2, "a steady flow of a file"), failing({"--opacity", "2"}, 2, "--opacity"),
+       failing({"--streak-length", "0"}, 2, "--streak-length"), failing({"--mesh", "none.ply"}, 1, "none.ply")});
 }
 
 }  // namespace

@@ -172,8 +172,8 @@ TEST_F(MeasureCommands, CommandsAgreeOnWhatTheyCount) {
 TEST_F(MeasureCommands, Compare) {
   write_sphere("small.ply", 1);
   write_sphere("large.ply", 1.01f, 6);
-  const Json json = json_of({"compare", "small.ply", "large.ply", "-o", "map.ply", "--preview", "map.png",
-                             "--tolerance", "0.02", "--view", "front"});
+  const Json json = json_of({"compare", "small.ply", "large.ply", "-o", "map.ply", "--preview", "map.png", "--within",
+                             "0.02", "--view", "front"});
   EXPECT_NEAR(json["distance"]["mean"].get<double>(), -0.01, 2e-4);
   EXPECT_EQ(json["distance"]["within_tolerance"], 1.0);
   EXPECT_EQ(json["measured"], json["vertices"]);
@@ -187,7 +187,7 @@ TEST_F(MeasureCommands, Compare) {
   // The same seen on the reference; the sign stays that of the part.
   const Json reversed = json_of({"compare", "small.ply", "large.ply", "--on", "reference"});
   EXPECT_NEAR(reversed["distance"]["mean"].get<double>(), -0.012, 2e-3);
-  const Outcome words = run({"compare", "large.ply", "small.ply", "--histogram", "--tolerance", "0.001"});
+  const Outcome words = run({"compare", "large.ply", "small.ply", "--histogram", "--within", "0.001"});
   EXPECT_EQ(words.code, 0) << words.err;
   EXPECT_NE(words.out.find("within ±0.001"), std::string::npos) << words.out;
   EXPECT_NE(words.out.find("####"), std::string::npos);
@@ -208,13 +208,13 @@ TEST_F(MeasureCommands, CompareComplaints) {
   expect_failure({"compare", "ball.ply"}, 2, "reference");
   expect_failure({"compare", "ball.ply", "empty.ply"}, 1, "empty.ply");
   expect_failure({"compare", "ball.ply", "ball.ply", "--color-range", "-1"}, 2, "range");
-  expect_failure({"compare", "ball.ply", "ball.ply", "--tolerance", "-1"}, 2, "tolerance");
+  expect_failure({"compare", "ball.ply", "ball.ply", "--within", "-1"}, 2, "tolerance");
   expect_failure({"compare", "ball.ply", "ball.ply", "--refine", "0"}, 2, "--refine");
   expect_failure({"compare", "ball.ply", "ball.ply", "-o", "map.txt"}, 1, "map.txt");
   expect_failure({"compare", "ball.ply", "ball.ply", "--preview", "map.jpg"}, 1, "map.jpg");
   expect_failure({"compare", "ball.ply", "ball.ply", "--view", "within"}, 2, "within");
   expect_failure({"compare", "ball.ply", "ball.ply", "--preview", "map.png", "--width", "10"}, 2, "--width 10");
-  for (const char* option : {"--max-distance", "--color-range", "--tolerance", "--refine"}) {
+  for (const char* option : {"--max-distance", "--color-range", "--within", "--refine"}) {
     const Outcome bad = run({"compare", "ball.ply", "ball.ply", option, "nan"});
     EXPECT_EQ(bad.code, 2);
     EXPECT_EQ(bad.err.find("::"), std::string::npos) << bad.err;

@@ -101,6 +101,52 @@ TEST_F(Outputs, TheResultMayGoToStandardOutput) {
   EXPECT_NE(outcome.err.find("2,000 points"), std::string::npos) << "words go elsewhere: " << outcome.err;
 }
 
+/// `-` is standard input and output, `-.csv` in a format.
+TEST_F(Outputs, FilesMayBeStandardInputAndOutput) {
+  const auto piped = [&](const std::vector<std::string>& arguments, const std::string& file) {
+    int ends[2];
+    EXPECT_EQ(::pipe2(ends, O_CLOEXEC), 0);
+    std::signal(SIGPIPE, SIG_IGN);
+    const pid_t child = start(arguments, [&] { ::dup2(ends[0], 0); });
+    ::close(ends[0]);
+    const std::string bytes = slurp(path(file));
+    for (std::size_t at = 0; at < bytes.size();) {
+      const ssize_t done = ::write(ends[1], bytes.data() + at, bytes.size() - at);
+      if (done <= 0) break;
+      at += static_cast<std::size_t>(done);
+    }
+    ::close(ends[1]);
+    const Outcome outcome = outcome_of(child);
+    std::signal(SIGPIPE, SIG_DFL);
+    EXPECT_EQ(outcome.code, 0) << arguments[0] << ": " << outcome.err;
+    return outcome;
+  };
+  EXPECT_NE(piped({"info", "-"}, "ball.ply").out.find("points      2,000"), std::string::npos);
+  // Points and a table of them.
+  const std::string table = piped({"convert", "-", "-o", "-.csv"}, "ball.ply").out;
+  EXPECT_TRUE(table.starts_with("x,y,z")) << table.substr(0, 60);
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 2001);
+  write("ball.csv", table);
+  EXPECT_EQ(piped({"convert", "-.csv", "-o", "again.xyz", "--json"}, "ball.csv").err, "");
+  EXPECT_EQ(read_points(path("again.xyz")).size(), 2000u);
+  // A mesh, a function, values of it, a picture.
+  EXPECT_TRUE(piped({"reconstruct", "-", "-o", "-"}, "ball.ply").out.starts_with("ply\n"));
+  write("ball.smf", piped({"fit", "-", "-o", "-"}, "ball.ply").out);
+  EXPECT_TRUE(piped({"mesh", "-", "-o", "-.off"}, "ball.smf").out.starts_with("OFF"));
+  EXPECT_NE(piped({"probe", "-", "--at", "1,0,0", "-o", "-.csv"}, "ball.smf").out.find("gradient_x"),
+            std::string::npos);
+  EXPECT_TRUE(piped({"section", "-.smf", "--plane", "z=0", "-o", "-.csv"}, "ball.smf").out.starts_with("plane"));
+  EXPECT_TRUE(
+      piped({"render", "-", "-o", "-", "--width", "40", "--height", "30"}, "ball.ply").out.starts_with("\x89PNG"));
+  // Words go elsewhere, and so does JSON.
+  EXPECT_NE(piped({"convert", "-", "-o", "-", "--json"}, "ball.ply").err.find("\"schema\""), std::string::npos);
+
+  expect_failures({{{"convert", "-", "-", "-o", "x.ply"}, 2, {"only one file can be standard input"}},
+                   {{"reconstruct", "ball.ply", "-o", "-", "--preview", "-"}, 2, {"standard output"}},
+                   {{"render", "ball.ply", "-o", "-", "--frames", "3"}, 2, {"one file"}},
+                   {{"convert", "ball.ply", "-o", "-.doc"}, 1, {"doc"}}});
+}
+
 const char* const kTet =
     "MeshVersionFormatted 1\nDimension 3\nVertices 4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra 1\n1 2 3 4 0\n"
     "End\n";

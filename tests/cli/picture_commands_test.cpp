@@ -1,10 +1,13 @@
 // Pictures as commands make them: views, parts of pictures, several objects, bars of colours.
 #include <cmath>
 
+#include "ball_volume.h"
 #include "run_tool.h"
 #include "sansmesh/io.h"
+#include "support/clouds.h"
 #include "support/mesh_shapes.h"
 #include "support/png_file.h"
+#include "support/sanitizers.h"
 
 namespace sansmesh::test {
 namespace {
@@ -179,6 +182,43 @@ TEST_F(PictureCommands, TheUnitOfAScaleBarMayBeAWordOfItsOwn) {
   EXPECT_EQ(run({"render", "-o", "out.png", "--width", "200", "--orthographic", "--scale-bar", "ball.ply"}).code, 0);
 }
 
+/// Bars and lists are in the width that is asked for.
+TEST_F(PictureCommands, AllAreAsWideAsIsAsked) {
+  SANSMESH_NOT_SANITIZED("pictures that other tests draw sanitized");
+  write_points(path("ball.ply"), sphere(2000));
+  write(kBallFile, ball_bytes());
+  write("still.json", R"({"handles": [{"p": [0, 0, 0], "q": [1, 0, 0]}, {"p": [16, 16, 16]}, {"p": [16, 0, 16]}]})");
+  ASSERT_EQ(run({"reconstruct", "ball.ply", "-o", "mesh.ply", "--confidence"}).code, 0);
+  const std::string line = "line(0.2,0,0, 1,0,0, 9)";
+  for (const auto& [command, file] : std::vector<std::pair<std::vector<std::string>, std::string>>{
+           {{"render", "mesh.ply", "-o", "a.png", "--color-by", "confidence"}, "a.png"},
+           {{"render", "mesh.ply", "ball.ply", "-o", "b.png"}, "b.png"},
+           {{"render", "ball.ply", "-o", "c.png", "--surface", "apss", "--color-by", "mean", "--quick"}, "c.png"},
+           {{"curvature", "ball.ply", "-o", "c.ply", "--preview", "d.png"}, "d.png"},
+           {{"compare", "mesh.ply", "ball.ply", "--preview", "e.png"}, "e.png"},
+           {{"volume", "render", kBallFile, "-o", "f.png"}, "f.png"},
+           {{"volume", "render", kBallFile, "-o", "g.png", "--baked", "--label", "a long name", "--unit", "K"},
+            "g.png"},
+           {{"volume", "surface", kBallFile, "-o", "h.png", "--color-by", "mean", "--quick"}, "h.png"},
+           {{"deform", kBallFile, "--handles", "still.json", "-o", "i.png"}, "i.png"},
+           {{"flow", "lines", "rotation", "--seeds", line, "--duration", "1", "-o", "l.vtp", "--preview", "j.png"},
+            "j.png"},
+           {{"flow", "render", "rotation", "--seeds", line, "--duration", "0.2", "-o", "k.png"}, "k.png"},
+           {{"align", "ball.ply", "mesh.ply", "-o", "al.ply", "--preview", "l.png"}, "l.png"}}) {
+    const Outcome outcome = run(with(command, {"--width", "240", "--height", "120"}));
+    ASSERT_EQ(outcome.code, 0) << command[0] << ": " << outcome.err;
+    const PngPicture picture = read_png(path(file));
+    EXPECT_EQ(picture.width, 240u) << file;
+    EXPECT_EQ(picture.height, 120u) << file;
+  }
+  // The parts that are seen are those of the picture, without the bar's paper.
+  ASSERT_EQ(run({"deform", kBallFile, "--handles", "still.json", "-o", "m.png", "--crop", "--width", "240", "--height",
+                 "120"})
+                .code,
+            0);
+  EXPECT_LT(read_png(path("m.png")).width, 240u);
+}
+
 TEST_F(PictureCommands, PreviewsLookWhereTheyAreTold) {
   // A box that is a quarter as wide when it is seen from its end.
   const auto widths = [&](const std::vector<std::string>& more) {
@@ -243,8 +283,8 @@ TEST_F(PictureCommands, AttributesAreColorsWithABar) {
   expect_failures({
       {{"render", "ball.ply", "-o", "no.png", "--color-by", "depth"}, 1, {"ball.ply", "depth", "height"}},
       {{"render", "ball.ply", "-o", "no.png", "--unit", "mm"}, 2, {"--unit"}},
-      {{"render", "ball.ply", "-o", "no.png", "--value-range", "0,1"}, 2, {"--value-range"}},
-      {{"render", "ball.ply", "-o", "no.png", "--color-by", "height", "--value-range", "1,0"}, 2, {"--value-range"}},
+      {{"render", "ball.ply", "-o", "no.png", "--color-range", "0,1"}, 2, {"--color-range"}},
+      {{"render", "ball.ply", "-o", "no.png", "--color-by", "height", "--color-range", "1,0"}, 2, {"--color-range"}},
       {{"render", "ball.ply", "-o", "no.png", "--color", "redd"}, 2, {"--color", "redd", "green"}},
       {{"render", "ball.ply", "-o", "no.png", "--color", "red", "--color", "blue"}, 2, {"--color", "1 object"}},
       {{"render", "ball.ply", "-o", "no.png", "--opacity", "2"}, 2, {"--opacity", "0..1"}},

@@ -302,8 +302,8 @@ TEST_F(PictureStyles, NothingIsIgnored) {
               {"--refraction-index", "--transmission"}),
       failing({"cloud.ply", "--splats", "--exact-shadows"}, {"--exact-shadows", "--splats"}),
       failing({"cloud.ply", "--splats", "--wireframe"}, {"--wireframe"}),
-      failing({"cloud.ply", "--surface", "apss", "--plain", "--antialiasing", "2"}, {"--antialiasing", "--plain"}),
-      failing({"cloud.ply", "--surface", "apss", "--plain", "--exact-shadows"}, {"--exact-shadows", "--plain"}),
+      failing({"cloud.ply", "--surface", "apss", "--quick", "--antialiasing", "2"}, {"--antialiasing", "--quick"}),
+      failing({"cloud.ply", "--surface", "apss", "--quick", "--exact-shadows"}, {"--exact-shadows", "--quick"}),
   });
 }
 
@@ -319,7 +319,7 @@ TEST_F(PictureStyles, WrongValuesNameTheOption) {
       failing({"--accessibility", "--bend-light", "1.5"}, {"--bend-light", "0..1", "1.5"}),
       failing({"--bend-light", "0.1"}, {"--bend-light", "--accessibility"}),
       failing({"--accessibility", "--lines"}, {"--accessibility", "--lines=over"}),
-      failing({"--accessibility", "--plain", "--surface", "apss"}, {"--accessibility", "--plain"}),
+      failing({"--accessibility", "--quick", "--surface", "apss"}, {"--accessibility", "--quick"}),
       failing({"--lines=under"}, {"--lines", "under"}),
       failing({"--lines", "--line-width", "0"}, {"--line-width", "0.1..50"}),
       failing({"--line-color", "red"}, {"--line-color", "--lines"}),

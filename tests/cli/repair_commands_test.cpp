@@ -135,7 +135,7 @@ TEST_F(RepairCommands, Smooth) {
   EXPECT_NE(flattened["warnings"][0].get<std::string>().find("% of the diagonal"), std::string::npos);
   EXPECT_GT(json_of({"smooth", "rough.ply", "-o", "sharp.ply", "--creases"})["crease_angle_deg"], 1);
   expect_failure({"smooth", "rough.ply", "-o", "x.ply", "--strength", "3"}, 2, "--strength");
-  expect_failure({"smooth", "rough.ply", "-o", "x.ply", "--length", "1", "--iterations", "3"}, 2, "--iterations");
+  expect_failure({"smooth", "rough.ply", "-o", "x.ply", "--shorter-than", "1", "--iterations", "3"}, 2, "--iterations");
 }
 
 TEST_F(RepairCommands, WhatIsSaidOfTheOutputIsTheSame) {
@@ -207,7 +207,7 @@ TEST_F(RepairCommands, Align) {
   transform(far, AffineMap::scaling({5, 5, 5}));
   write_mesh(path("far.ply"), far);
   expect_failure({"align", "far.ply", "there.ply", "-o", "x.ply", "--from", "here"}, 1, "there.ply");
-  expect_failure({"align", "far.ply", "there.ply", "-o", "x.ply", "--from", "here"}, 1, "--scale");
+  expect_failure({"align", "far.ply", "there.ply", "-o", "x.ply", "--from", "here"}, 1, "--find-scale");
   EXPECT_FALSE(std::filesystem::exists(path("x.ply")));
   expect_failure({"align", "here.ply", "there.ply", "--from", "nowhere"}, 2, "--from");
   expect_failure({"align", "here.ply", "there.ply", "--start-transform", "there.ply"}, 1, "there.ply");

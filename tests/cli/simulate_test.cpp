@@ -67,8 +67,8 @@ TEST_F(SimulateTool, HandlesTurnTheFarEnd) {
   // A surface that lies in the bar moves with it; vertices of scenes are those of the file.
   write("square.obj", "v 4 0 0\nv 4 1 0\nv 4 1 1\nv 4 0 1\nf 1 2 3\nf 1 3 4\n");
   const Outcome o =
-      run({"simulate", "bar.mesh", "--forces", "turn.json", "--surface", "square.obj", "-o", "s.obj", "--frames", "3",
-           "--duration", "0.4", "--integrator", "velocity-verlet", "--longest-step", "0.002"});
+      run({"simulate", "bar.mesh", "--forces", "turn.json", "--embedded-mesh", "square.obj", "-o", "s.obj", "--frames",
+           "3", "--duration", "0.4", "--integrator", "velocity-verlet", "--longest-step", "0.002"});
   ASSERT_EQ(o.code, 0) << o.err;
   const TriangleMesh m = read_mesh(path("s_0002.obj"));
   const Vec3 corner = m.origin + Vec3(m.vertices[1]);
@@ -81,7 +81,7 @@ TEST_F(SimulateTool, HandlesTurnTheFarEnd) {
 TEST_F(SimulateTool, DrawsFramesAndAnAnimationOfBodiesAndVolumes) {
   write("v.csv", "x,y,z,f\n0,0,0,0\n4,0,0,1\n0,1,0,0\n4,1,0,1\n0,0,1,0.2\n4,0,1,1.2\n0,1,1,0.2\n4,1,1,1.2\n");
   ASSERT_EQ(run({"volume", "resample", "v.csv", "--size", "12", "--method", "linear", "-o", "v.vti"}).code, 0);
-  const std::vector<std::vector<std::string>> looks{{}, {"--volume", "v.vti", "--iso", "0.5"}};
+  const std::vector<std::vector<std::string>> looks{{}, {"--embedded-volume", "v.vti", "--iso", "0.5"}};
   for (const auto& look : looks) {
     if (!look.empty() && !has_vtk_readers()) continue;
     std::vector<std::string> all{"simulate", "bar.mesh",   "-o",  "b.png",   "--animation", "a.png",    "--frames",
@@ -104,10 +104,12 @@ TEST_F(SimulateTool, VolumesGoWhereTheirTetrahedraGo) {
   ASSERT_EQ(run({"volume", "resample", "v.csv", "--size", "12", "--method", "linear", "-o", "v.vti"}).code, 0);
   write("pull.json", R"({"gravity": 0, "handles": {"on": {"box": {"lower": [-1, -1, -1], "upper": [9, 9, 9]}},
                          "move": [4, 0, 0], "until": 0.2}})");
-  const Outcome o =
-      run({"simulate",  "bar.mesh", "--forces",   "pull.json", "--volume",     "v.vti", "--iso",    "0.5:#ff0000:1",
-           "--opacity", "0",        "--view",     "front",     "--background", "white", "-o",       "b.png",
-           "--frames",  "2",        "--duration", "0.2",       "--width",      "160",   "--height", "80"});
+  const Outcome o = run({"simulate",          "bar.mesh", "--forces",   "pull.json",
+                         "--embedded-volume", "v.vti",    "--iso",      "0.5:#ff0000:1",
+                         "--opacity-factor",  "0",        "--view",     "front",
+                         "--background",      "white",    "-o",         "b.png",
+                         "--frames",          "2",        "--duration", "0.2",
+                         "--width",           "160",      "--height",   "80"});
   ASSERT_EQ(o.code, 0) << o.err;
   const auto red_column = [&](const char* file) {
     const PngPicture image = read_png(path(file));
@@ -145,8 +147,8 @@ TEST_F(SimulateTool, NothingIsWrittenWhereAnInputOfPicturesIsWrong) {
   write("volume.csv", "x,y,z\n0,0,0\n1,0,0\n0,1,0\n0,0,1\n");
   const auto before = listing();
   expect_failures({
-      {{"simulate", "bar.mesh", "-o", "a.vtu", "-o", "a.png", "--volume", "none.vti"}, 1, {"none.vti: "}},
-      {{"simulate", "bar.mesh", "-o", "a.ply", "-o", "a.png", "--volume", "volume.csv"}, 1, {"volume.csv: "}},
+      {{"simulate", "bar.mesh", "-o", "a.vtu", "-o", "a.png", "--embedded-volume", "none.vti"}, 1, {"none.vti: "}},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "-o", "a.png", "--embedded-volume", "volume.csv"}, 1, {"volume.csv: "}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--animation", "b.png", "--fps", "2000", "--duration", "0.01"},
        2,
        {"--fps"}},
@@ -159,7 +161,7 @@ TEST_F(SimulateTool, NothingIsWrittenWhereAnInputOfPicturesIsWrong) {
   EXPECT_EQ(listing(), before);
   // Frames have names that nobody typed.
   ASSERT_EQ(run({"simulate", "bar.mesh", "-o", "a.ply", "--frames", "2", "--duration", "0.02"}).code, 0);
-  expect_failures({{{"simulate", "bar.mesh", "--surface", "a_0000.ply", "-o", "a.ply", "--frames", "2"},
+  expect_failures({{{"simulate", "bar.mesh", "--embedded-mesh", "a_0000.ply", "-o", "a.ply", "--frames", "2"},
                     1,
                     {"a_0000.ply: is an input"}}});
 }
@@ -213,7 +215,7 @@ TEST_F(SimulateTool, SaysInALineWhatIsWrong) {
       {{"simulate", "bar.mesh", "-o", "a.ply", "--frames", "3", "--fps", "2", "--duration", "1"},
        2,
        {"only two can be given"}},
-      {{"simulate", "bar.mesh", "-o", "a.ply", "--volume", "v.vti"}, 2, {"--volume needs pictures"}},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--embedded-volume", "v.vti"}, 2, {"--volume needs pictures"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--duration", "0.001"}, 2, {"--duration", "shorter than a frame"}},
       // Explicit and much too long: it explodes.
       {{"simulate", "bar.mesh", "-o", "a.ply", "--fixed", "bar.bou", "--integrator", "explicit-euler", "--longest-step",

@@ -95,7 +95,7 @@ TEST_F(SurfaceCommands, ProjectSpreadsNewPoints) {
   write_sphere("scan.ply", 3000);
   for (const auto& [count, method] : {std::pair{600, "curvature"}, {9000, "apss"}}) {
     const Json json =
-        json_of({"project", "scan.ply", "-o", "even.xyz", "--points", std::to_string(count), "--method", method});
+        json_of({"project", "scan.ply", "-o", "even.xyz", "--point-count", std::to_string(count), "--method", method});
     EXPECT_NEAR(json["output"]["points"].get<double>(), count, 0.1 * count);
     EXPECT_LT(off_sphere(read_points(path("even.xyz"))), 2e-3) << method;
   }
@@ -110,7 +110,7 @@ TEST_F(SurfaceCommands, ProjectSpreadsNewPoints) {
     stray.normals.push_back(p);
   }
   write_points(path("stray.ply"), stray);
-  const Json json = json_of({"project", "stray.ply", "-o", "lop.ply", "--method", "lop", "--points", "1000"});
+  const Json json = json_of({"project", "stray.ply", "-o", "lop.ply", "--method", "lop", "--point-count", "1000"});
   EXPECT_EQ(json["output"]["points"], 1000);
   const PointSet lop = read_points(path("lop.ply"));
   EXPECT_EQ(lop.size(), 1000u);
@@ -230,7 +230,7 @@ TEST_F(SurfaceCommands, RenderCastsRaysAtTheSurface) {
   };
   std::vector<std::string> pictures;
   for (const std::vector<std::string>& arguments :
-       {std::vector<std::string>{"--surface", "apss"}, std::vector<std::string>{"--surface", "curvature", "--plain"},
+       {std::vector<std::string>{"--surface", "apss"}, std::vector<std::string>{"--surface", "curvature", "--quick"},
         std::vector<std::string>{"--surface", "apss", "--color-by", "mean", "--color-range", "1.5"},
         std::vector<std::string>{"--surface", "amls", "--order", "4", "--iterations", "2", "--sharp"},
         std::vector<std::string>{"--surface", "partition"},
@@ -254,7 +254,7 @@ TEST_F(SurfaceCommands, RenderCastsRaysAtTheSurface) {
 
 TEST_F(SurfaceCommands, RenderTurnsAround) {
   write_sphere("ball.ply", 1500);
-  const Json json = json_of({"render", "ball.ply", "-o", "turn.png", "--surface", "apss", "--plain", "--frames", "3",
+  const Json json = json_of({"render", "ball.ply", "-o", "turn.png", "--surface", "apss", "--quick", "--frames", "3",
                              "--width", "60", "--height", "50"});
   EXPECT_EQ(json["output"]["files"], (std::vector<std::string>{"turn_000.png", "turn_001.png", "turn_002.png"}));
   EXPECT_EQ(listing(), (std::vector<std::string>{"ball.ply", "turn_000.png", "turn_001.png", "turn_002.png"}));
@@ -267,7 +267,7 @@ TEST_F(SurfaceCommands, OutputDoesNotDependOnThreads) {
   write_points(path("ring.ply"), cloud);
   for (const std::vector<std::string>& command :
        {std::vector<std::string>{"project", "ring.ply", "-o", "out.ply"},
-        std::vector<std::string>{"project", "ring.ply", "-o", "out.ply", "--points", "1000"},
+        std::vector<std::string>{"project", "ring.ply", "-o", "out.ply", "--point-count", "1000"},
         std::vector<std::string>{"project", "ring.ply", "-o", "out.ply", "--method", "lop"},
         std::vector<std::string>{"curvature", "ring.ply", "-o", "out.ply"},
         std::vector<std::string>{"render", "ring.ply", "-o", "out.png", "--surface", "curvature", "--width", "60",
@@ -333,8 +333,8 @@ TEST_F(SurfaceCommands, WrongOptionsAreUsageErrors) {
   };
   for (const Refused& wrong : std::vector<Refused>{
            {{"project", "ball.ply", "-o", "out.ply", "--method", "magic"}, "magic"},
-           {{"project", "ball.ply", "-o", "out.ply", "--points", "0"}, "--points"},
-           {{"project", "ball.ply", "-o", "out.ply", "--steps", "0"}, "steps"},
+           {{"project", "ball.ply", "-o", "out.ply", "--point-count", "0"}, "--point-count"},
+           {{"project", "ball.ply", "-o", "out.ply", "--most-steps", "0"}, "steps"},
            {{"project", "ball.ply", "-o", "out.ply", "--tolerance", "7"}, "tolerance"},
            {{"project", "ball.ply", "-o", "out.ply", "--method", "apss", "--diffusion", "soft"}, "diffusion"},
            {{"project", "ball.ply", "-o", "out.ply", "--diffusion", "much"}, "much"},
@@ -350,8 +350,8 @@ TEST_F(SurfaceCommands, WrongOptionsAreUsageErrors) {
            {{"curvature", "ball.ply", "-o", "out.ply", "--neighbours", "2"}, "neighbours"},
            {{"curvature", "ball.ply", "-o", "out.ply", "--tau", "9"}, "tau"},
            {{"curvature", "ball.ply", "-o", "out.ply", "--weights", "heavy"}, "gaussian"},
-           {{"curvature", "ball.ply", "-o", "out.ply", "--radius", "-2"}, "radius"},
-           {{"render", "ball.ply", "-o", "out.png", "--plain"}, "--plain"},
+           {{"curvature", "ball.ply", "-o", "out.ply", "--bandwidth", "-2"}, "radius"},
+           {{"render", "ball.ply", "-o", "out.png", "--quick"}, "--quick"},
            {{"render", "ball.ply", "-o", "out.png", "--sharp"}, "--sharp"},
            {{"render", "ball.ply", "-o", "out.png", "--color-by", "mean"}, "--color-by"},
            {{"render", "ball.ply", "-o", "out.png", "--order", "4"}, "--order"},
@@ -390,11 +390,11 @@ TEST_F(SurfaceCommands, BadInputIsOneLineAndLeavesNothing) {
   for (const char* file : {"absent.ply", "empty.ply", "nan.xyz", "one.xyz", "plane.xyz"}) {
     std::vector<std::vector<std::string>> commands{
         {"project", file, "-o", "out.ply"},
-        {"project", file, "-o", "out.ply", "--method", "apss", "--points", "100"},
+        {"project", file, "-o", "out.ply", "--method", "apss", "--point-count", "100"},
         {"project", "ball.ply", "--onto", file, "-o", "out.ply"},
         {"curvature", file, "-o", "out.ply", "--preview", "out.png"},
         {"render", file, "-o", "out.png", "--surface", "apss"},
-        {"render", file, "-o", "out.png", "--surface", "curvature", "--frames", "2", "--plain"},
+        {"render", file, "-o", "out.png", "--surface", "curvature", "--frames", "2", "--quick"},
         {"reconstruct", file, "-o", "out.ply", "--surface", "apss"}};
     // Consolidation needs no surface: it takes planes and single points.
     if (file != std::string("plane.xyz") && file != std::string("one.xyz"))

@@ -101,11 +101,33 @@ TEST_F(SurveyCommands, OtherCommandsReadThemToo) {
     EXPECT_EQ(run(arguments).code, 0);
   }
 
-  const Json all = json_of({"info", "west.las", "east.las"});
+  const Json all = json_of({"info", "west.las", "east.las", "--as-one"});
   EXPECT_EQ(all["points"], points + 300);
   EXPECT_EQ(all["classes"], (Json{{"2", points}, {"7", 300}}));
   const Outcome told = run({"info", "west.las"});
   EXPECT_NE(told.out.find("7 low-noise: 300"), std::string::npos) << told.out;
+}
+
+/// One report a file; what is wrong with one does not keep the others from being told of.
+TEST_F(SurveyCommands, InfoTellsOfSeveralFiles) {
+  write_tiles();
+  const Json two = json_of({"info", "west.las", "east.las"});
+  ASSERT_EQ(two["files"].size(), 2u);
+  EXPECT_EQ(two["files"][0]["file"], "west.las");
+  EXPECT_EQ(two["files"][1]["points"], read_points(path("east.las")).size());
+  EXPECT_EQ(two["schema"], 1);
+  const Outcome outcome = run({"info", "west.las", "none.las", "east.las", "--json"});
+  EXPECT_EQ(outcome.code, 1);
+  EXPECT_EQ(outcome.err, "sansmesh: none.las: no such file\n");
+  const Json three = Json::parse(outcome.out)["files"];
+  ASSERT_EQ(three.size(), 3u);
+  EXPECT_EQ(three[1]["file"], "none.las");
+  EXPECT_EQ(three[1]["error"]["text"], "none.las: no such file");
+  EXPECT_EQ(three[2], two["files"][1]);
+  const Outcome words = run({"info", "none.las", "west.las"});
+  EXPECT_EQ(words.code, 1);
+  EXPECT_NE(words.out.find("west.las: LAS"), std::string::npos) << words.out;
+  EXPECT_EQ(run({"info", "west.las", "none.las", "--as-one"}).out, "");
 }
 
 TEST_F(SurveyCommands, TheyAreReferencesToo) {

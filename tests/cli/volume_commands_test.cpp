@@ -42,6 +42,25 @@ TEST_F(VolumeTool, InfoDescribesGridsWithoutValues) {
   EXPECT_EQ(json["notes"].size(), 1u);
 }
 
+/// Content decides where an ending is one of points, too.
+TEST_F(VolumeTool, InfoKnowsGridsThatAreNamedAsPoints) {
+  const std::string text = "2 2 2\n0 1 0 1 0 1 0 1\n0 0 1 1 0 0 1 1\n0 0 0 0 2 2 2 2\n";
+  write("bare.xyz", text);
+  EXPECT_EQ(json_of({"info", "bare.xyz"})["cells"], 1);
+  std::string bytes(3 * 4 + 24 * 4, '\0');
+  const std::int32_t dims[] = {2, 2, 2};
+  const float places[] = {0, 1, 0, 1, 0, 1, 0, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 0, 0, 2, 2, 2, 2};
+  std::memcpy(bytes.data(), dims, sizeof(dims)), std::memcpy(bytes.data() + sizeof(dims), places, sizeof(places));
+  write("binary.xyz", bytes);
+  const auto json = json_of({"info", "binary.xyz"});
+  EXPECT_EQ(json["cells"], 1);
+  EXPECT_NE(json["format"].get<std::string>().find("PLOT3D"), std::string::npos);
+  EXPECT_NE(run({"convert", "binary.xyz", "-o", "x.ply"}).err.find("holds a volume (PLOT3D)"), std::string::npos);
+  // Points that begin with whole numbers are points.
+  write("points.xyz", "1 2 3\n4 5 6\n7 8 10\n1 0 0\n");
+  EXPECT_EQ(json_of({"info", "points.xyz"})["points"], 4);
+}
+
 TEST_F(VolumeTool, AdviseNamesAReconstructionAndWhy) {
   const auto json = json_of({"advise", ball_});
   EXPECT_FALSE(json["method"].get<std::string>().empty());

@@ -103,7 +103,7 @@ TEST_F(VolumeFit, EveryCommandTakesItsFile) {
 }
 
 TEST_F(VolumeFit, OtherArraysAndMethodsAreThereIfTheyWereKept) {
-  ASSERT_EQ(run({"volume", "fit", "data.csv", "--array", "heat", "--all", "-o", "all.smv"}).code, 0);
+  ASSERT_EQ(run({"volume", "fit", "data.csv", "--array", "heat", "--all-arrays", "-o", "all.smv"}).code, 0);
   EXPECT_EQ(probed({"all.smv", "--array", "flow", "--method", "shepard"}),
             probed({"data.csv", "--array", "flow", "--method", "shepard"}));
   ASSERT_EQ(run({"volume", "fit", "all.smv", "--method", "mls", "--degree", "1", "-o", "mls.smv"}).code, 0);

@@ -46,7 +46,7 @@ class VolumeSurfaceTool : public ToolTest {
 TEST_F(VolumeSurfaceTool, MeshesAreClosedAndHoldTheBall) {
   const double volume = 4.0 / 3 * std::numbers::pi * 216;
   const std::vector<std::vector<std::string>> ways{
-      {"--value", "0.5"}, {"--high-gradient"}, {"--value", "0.5", "--exact"}};
+      {"--value", "0.5"}, {"--high-gradient"}, {"--value", "0.5", "--exact-projection"}};
   for (const std::vector<std::string>& way : ways) {
     SCOPED_TRACE(way.back());
     std::vector<std::string> arguments{"-o", path("ball.ply"), "--json"};
@@ -89,7 +89,8 @@ TEST_F(VolumeSurfaceTool, PicturesShowADiscAndColoursOfAnArray) {
 }
 
 TEST_F(VolumeSurfaceTool, PointsAreCountedAndSpread) {
-  const Outcome outcome = surface({"--value", "0.5", "--points", path("ball.ply"), "--distance", "1", "--json"});
+  const Outcome outcome =
+      surface({"--value", "0.5", "--points-output", path("ball.ply"), "--point-spacing", "1", "--json"});
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto points = nlohmann::json::parse(outcome.out)["points"]["points"].get<double>();
   EXPECT_GT(points, 0.45 * 16 * 36);  // of discs of half a distance

@@ -1,5 +1,6 @@
 // Flows in time: between steps, at steps, and how often steps are read.
 #include "sansmesh/dataset/volume_flow.h"
+#include "sansmesh/flow/trace.h"
 
 #include <gtest/gtest.h>
 

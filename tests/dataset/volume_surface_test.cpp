@@ -268,7 +268,7 @@ TEST(VolumeSurface, FeetStandForTheProjection) {
   const Made m = made_of(test::lattice_grid({25, 25, 25}, noisy(ball(step), 0.02)));
   VolumeSurfaceOptions options = at(0.5);
   const VolumeSurface quick = surface_of(m, options, 0.02);
-  options.exact = true;
+  options.exact_projection = true;
   const VolumeSurface exact = surface_of(m, options, 0.02);
   const PointSet feet = quick.feet();
   std::vector<Vec3> x(feet.positions.begin(), feet.positions.end()), gradients(x.size());

@@ -29,7 +29,6 @@ class MeanField : public VolumeField {
       if (!found.inside.empty()) found.inside[i] = inside;
     }
     std::fill(found.gradients.begin(), found.gradients.end(), Vec3{});
-    std::fill(found.degrees.begin(), found.degrees.end(), std::uint8_t{0});
   }
   void spacing(std::span<const Vec3> x, std::span<double> found) const override {
     std::fill_n(found.begin(), x.size(), box_.diagonal() / 100);

@@ -38,32 +38,32 @@ TEST(VolumeComponent, TakesOneOrTheLength) {
   std::vector<double> all(9), found(3);
   std::vector<Vec3> gradients(3);
   std::vector<std::uint8_t> inside(3);
-  wind.evaluate(x, {all, {}, {}, {}});
+  wind.evaluate(x, {all});
   for (std::size_t k = 0; k < 3; ++k) {
     const VolumeComponent one(wind, k);
     EXPECT_EQ(one.components(), 1u);
-    one.evaluate(x, {found, {}, inside, {}});
+    one.evaluate(x, {found, {}, inside});
     for (std::size_t i = 0; i < 3; ++i) EXPECT_EQ(found[i], all[3 * i + k]);
     EXPECT_EQ(inside, (std::vector<std::uint8_t>{1, 1, 0}));
   }
   const VolumeComponent length(wind);
-  length.evaluate(x, {found, gradients, {}, {}});
+  length.evaluate(x, {found, gradients});
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(found[i], std::hypot(all[3 * i], all[3 * i + 1], all[3 * i + 2]), 1e-15);
     for (std::size_t k = 0; k < 3; ++k) {
       std::vector<Vec3> sides{x[i], x[i]};
       sides[0][k] -= 1e-5, sides[1][k] += 1e-5;
       std::vector<double> values(2);
-      length.evaluate(sides, {values, {}, {}, {}});
+      length.evaluate(sides, {values});
       EXPECT_NEAR(gradients[i][k], (values[1] - values[0]) / 2e-5, 1e-8);
     }
   }
   // A gradient alone; and where the vector vanishes, none.
   std::vector<Vec3> alone(3);
-  length.evaluate(x, {{}, alone, {}, {}});
+  length.evaluate(x, {{}, alone});
   EXPECT_EQ(alone, gradients);
   const std::vector<Vec3> still{{0, 0.5, 0}};
-  length.evaluate(still, {{}, std::span(alone).first(1), {}, {}});
+  length.evaluate(still, {{}, std::span(alone).first(1)});
   EXPECT_EQ(alone[0], Vec3{});
   EXPECT_THROW(VolumeComponent(wind, 3), ArgumentError);
 }

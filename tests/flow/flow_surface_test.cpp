@@ -14,7 +14,8 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/flow/analytic_flows.h"
+#include "sansmesh/flow/trace.h"
+#include "sansmesh/flow_options.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/flow/analytic_flows.h"
+#include "sansmesh/flow_options.h"
 #include "support/any_threads.h"
 
 namespace sansmesh::inline v1 {

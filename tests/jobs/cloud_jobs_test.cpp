@@ -94,11 +94,11 @@ TEST(ProjectJob, ChoosesWhatSuitsTheSamples) {
   options.surface.smoothing = 3;
   EXPECT_EQ(project({.points = noisy}, options, progress).report.method, "curvature");
   options.method = "apss";
-  options.points = 400;
+  options.point_count = 400;
   const ProjectResult spread = project({.points = noisy}, options, progress);
   EXPECT_EQ(spread.report.method, "apss");
   EXPECT_NEAR(static_cast<double>(spread.points.size()), 400, 60);
-  EXPECT_EQ(project({.points = noisy}, {.method = "lop", .points = 500}, progress).points.size(), 500u);
+  EXPECT_EQ(project({.points = noisy}, {.method = "lop", .point_count = 500}, progress).points.size(), 500u);
 }
 
 TEST(ProjectJob, NamesWhoseFaultItIs) {
@@ -130,12 +130,12 @@ TEST(ProjectJob, RefusesWhatMeansNothing) {
         << options.method;
   };
   refuses({.method = "magic"});
-  refuses({.points = 0});
-  refuses({.steps = {.steps = 0}});
+  refuses({.point_count = 0});
+  refuses({.steps = {.most_steps = 0}});
   refuses({.lop = {.radius = 1}});
   refuses({.method = "apss", .lop = {.repulsion = 0.2}});
   refuses({.method = "lop", .lop = {.repulsion = 0.5}});
-  refuses({.method = "lop", .steps = {.steps = 3}});
+  refuses({.method = "lop", .steps = {.most_steps = 3}});
   refuses({.method = "lop", .cloud = {.remove_outliers = true}});
   refuses({.method = "lop"}, sphere(100));
   ProjectOptions sharp{.method = "lop"};

@@ -60,12 +60,12 @@ TEST(ConvertJob, ReportsWhatStaysAfterEachStep) {
       four_points(), {.steps = {CropStep{.box = {{-1, -1, -1}, {2, 0.5, 2}}}, CountStep{2}, EveryStep{2}}}, progress);
   EXPECT_EQ(made.report.size, 4u);
   ASSERT_EQ(made.report.steps.size(), 3u);
-  EXPECT_EQ(made.report.steps[0].step, "crop");
+  EXPECT_EQ(made.report.steps[0].step, "box");
   EXPECT_EQ(made.report.steps[0].size, 3u);
   EXPECT_EQ(made.report.steps[1].size, 2u);
   EXPECT_EQ(made.report.steps[2].size, 1u);
   EXPECT_FALSE(made.report.steps[2].triangles);
-  EXPECT_EQ(step_name(CropStep{.inside = false}), "crop_out");
+  EXPECT_EQ(step_name(CropStep{.inside = false}), "outside_box");
   EXPECT_EQ(step_name(FlipStep{.normals = false}), "flip_faces");
 }
 
@@ -74,7 +74,7 @@ TEST(ConvertJob, AMeshStaysOneUnlessItsPointsAreAskedFor) {
   const ConvertResult mesh = convert(ball_mesh(2), {.steps = {WeldStep{}}}, progress);
   EXPECT_TRUE(mesh.data.is_mesh);
   EXPECT_EQ(mesh.report.steps[0].triangles, mesh.report.triangles);
-  EXPECT_FALSE(convert(ball_mesh(2), {.points = true}, progress).data.is_mesh);
+  EXPECT_FALSE(convert(ball_mesh(2), {.vertices_only = true}, progress).data.is_mesh);
   EXPECT_EQ(refusal(ball_mesh(2), SpacingStep{0.1}).rfind("`spacing` is for points", 0), 0u);
 }
 

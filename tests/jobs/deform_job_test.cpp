@@ -11,10 +11,9 @@
 #include <vector>
 
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/deform.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/deform.h"
-#include "sansmesh/jobs/read_cut.h"
-#include "sansmesh/jobs/read_deformation.h"
 #include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/mesh_shapes.h"
@@ -130,7 +129,7 @@ TEST(ReadDeformation, HandlesAndTheMapThatIsMadeOfThem) {
 
   const DeformationMapResult made = deformation_map(read, {{0, 0, 0}, {1, 1, 1}}, "box", {.nodes = 8}, progress);
   EXPECT_TRUE(made.notes.empty());
-  const Deformation again(std::make_shared<const DisplacementMap>(made.map));
+  const Deformation again(made.block);
   EXPECT_FALSE(again.has_handles());
   EXPECT_EQ(again.words(), "by a displacement map");
   std::vector<Vec3> moved(1);
@@ -176,7 +175,7 @@ TEST(DeformJob, MeshesAreRefinedAndOpenedAlongCuts) {
   const DeformReport plain = deform(mesh, "m", bent, DeformAim::shape, {}, kIgnore, progress).report;
   EXPECT_EQ(plain.triangles, mesh.triangles.size());
   const DeformReport fine = deform(mesh, "m", bent, DeformAim::shape, {.refine = 0.005}, kIgnore, progress).report;
-  EXPECT_GT(fine.mesh.added, 0u);
+  EXPECT_GT(fine.added, 0u);
 
   const auto slot = read_cut("half-plane(-0.1,0,0.01; 0,0,1; 1,0,0)", {});
   const Deformation cut(corners([](const Vec3& p) { return Vec3{p.x, p.y, p.x > 0 ? 1.4 * p.z : p.z}; }), {}, {slot});
@@ -207,7 +206,7 @@ TEST(DeformJob, SolidsBecomeMeshesSectionsAndPictures) {
   int width = 0;
   deform(
       ball(1), moved, DeformAim::picture, look,
-      [&](int, const DeformedPose& made) { width = std::get<Image>(made).width; }, progress);
+      [&](int, const DeformedPose& made) { width = std::get<DeformedPicture>(made).image.width; }, progress);
   EXPECT_EQ(width, 32);
 }
 
@@ -222,7 +221,7 @@ TEST(DeformJob, VolumesAreResampledAndSeenThrough) {
   block.point_arrays.set("flow", std::move(flow), 3);
   GridData data;
   data.blocks.push_back(std::move(block));
-  VolumeModel volume(VolumeDataset(std::move(data)), "block.vti");
+  VolumeModel volume(std::move(data), "block.vti");
   Progress progress;
   std::vector<Note> notes;
   const Deformation moved = moved_by({5, 0, 0});
@@ -242,14 +241,14 @@ TEST(DeformJob, VolumesAreResampledAndSeenThrough) {
   EXPECT_EQ(lattice.report.size[0], 9u);
   EXPECT_NEAR(lattice.report.inside, 1, 0.4);  // but for its faces
 
-  volume = VolumeModel(volume.dataset(), "block.vti", {.array = "flow"});
+  volume = VolumeModel(volume, {.array = "flow"});
   const DeformableVolume seen = deformable_volume(volume, DeformAim::picture, false, progress, notes);
   EXPECT_EQ(seen.fields.at(0)->components(), 1u);
   DeformOptions options{.map_nodes = 8};
   options.look.picture.view.width = 32, options.look.picture.view.height = 24;
   const DeformResult drawn = deform(
       seen, moved, DeformAim::picture, options,
-      [](int, const DeformedPose& made) { EXPECT_EQ(std::get<Image>(made).width, 32); }, progress);
+      [](int, const DeformedPose& made) { EXPECT_EQ(std::get<DeformedPicture>(made).image.width, 32); }, progress);
   EXPECT_GT(drawn.report.rays, 0u);
   EXPECT_NE(refused([&] { deform(seen, moved, DeformAim::sections, {}, kIgnore, progress); }), "");
 }

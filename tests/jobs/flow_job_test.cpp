@@ -9,11 +9,9 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/flow/analytic_flows.h"
-#include "sansmesh/jobs/flow_lines.h"
-#include "sansmesh/jobs/flow_model.h"
-#include "sansmesh/jobs/flow_pictures.h"
-#include "sansmesh/jobs/flow_surface.h"
+#include "sansmesh/flow.h"
+#include "sansmesh/flow_options.h"
+#include "sansmesh/flow_pictures.h"
 #include "sansmesh/pictures.h"
 #include "support/notes.h"
 
@@ -45,7 +43,7 @@ GridData turning(double speed) {
 
 FlowModel of_volume(const std::string& array = "") {
   Progress progress;
-  return {VolumeModel(VolumeDataset(turning(1)), "turning.vti"), array, progress};
+  return {VolumeModel(turning(1), "turning.vti"), array, progress};
 }
 
 template <class E = ArgumentError>
@@ -64,7 +62,7 @@ TEST(FlowModel, IsWhatTheFilesAndOptionsSay) {
   Progress progress;
   const FlowModel turn = open_flow({"rotation"}, {}, {}, progress);
   EXPECT_EQ(turn.name(), "rotation (formula)");
-  EXPECT_EQ(turn.volume(), nullptr);
+  EXPECT_FALSE(turn.volume());
   EXPECT_FALSE(turn.unsteady());
   const FlowModel volume = of_volume();
   EXPECT_EQ(volume.vectors(), "velocity");
@@ -199,6 +197,24 @@ TEST(FlowPictures, DrawTheSurfaceInAVolume) {
   EXPECT_TRUE(holds(refused([&] { check_colors(formula("rotation"), options); }), "`iso`"));
 }
 
+TEST(FlowPictures, IsoSurfacesAreThoseOfTheSpeedWhereNoArrayIsNamed) {
+  Progress progress;
+  const auto picture = [&](const std::string& array) {
+    FlowPictureOptions options;
+    options.trace.seeds = "line(0.5,0,-1, 0.5,0,1, 12)";
+    options.trace.surface.duration = 0.2;
+    options.picture.view.width = 64, options.picture.view.height = 48, options.picture.quality.samples = 1;
+    options.bar = false, options.isos = {{.value = 0.7}};
+    options.volume_array = array, options.opacity_factor = array.empty() ? 1 : 0;
+    Image drawn;
+    flow_pictures(
+        of_volume(), options, {}, [&](int, const Image& image, const RenderOptions&) { drawn = image; }, progress);
+    return drawn.pixels;
+  };
+  EXPECT_EQ(picture(""), picture("velocity"));
+  EXPECT_NE(picture(""), picture("height"));
+}
+
 TEST(FlowPictures, RefuseWhatMeansNothing) {
   const auto said = [](const std::function<void(FlowPictureOptions&)>& set) {
     FlowPictureOptions options;
@@ -207,10 +223,10 @@ TEST(FlowPictures, RefuseWhatMeansNothing) {
     return refused([&] { options.validate(); });
   };
   EXPECT_EQ(said([](FlowPictureOptions&) {}), "");
-  EXPECT_TRUE(holds(said([](auto& o) { o.smooth = true, o.streaks.streak_width = 3; }), "`streak_width`"));
-  EXPECT_TRUE(holds(said([](auto& o) { o.smooth = true, o.frames = 4; }), "`turn`"));
+  EXPECT_TRUE(holds(said([](auto& o) { o.textured = false, o.streaks.streak_width = 3; }), "`streak_width`"));
+  EXPECT_TRUE(holds(said([](auto& o) { o.textured = false, o.frames = 4; }), "`turn`"));
   EXPECT_TRUE(holds(said([](auto& o) { o.turn = 4; }), "`frames`"));
-  EXPECT_TRUE(holds(said([](auto& o) { o.volume_opacity = 0.5; }), "`volume`"));
+  EXPECT_TRUE(holds(said([](auto& o) { o.opacity_factor = 0.5; }), "`volume_array`"));
   EXPECT_TRUE(holds(said([](auto& o) { o.label = "speed", o.bar = false; }), "`label`"));
   EXPECT_TRUE(holds(said([](auto& o) { o.opacity = 2; }), "`opacity`"));
 }

@@ -22,7 +22,7 @@ TEST(SmoothJob, SaysWhenMoreThanNoiseGoes) {
 
 TEST(SmoothJob, SaysWhenWavesAreTooLongForIt) {
   Progress progress;
-  EXPECT_TRUE(has_note(smooth(octasphere(2), {.length = 40}, progress).notes, "shortened"));
+  EXPECT_TRUE(has_note(smooth(octasphere(2), {.shorter_than = 40}, progress).notes, "shortened"));
 }
 
 TEST(SimplifyJob, HalvesByItselfAndGoesAsFarAsItIsAsked) {

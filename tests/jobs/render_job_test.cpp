@@ -149,7 +149,7 @@ TEST(RenderJob, RefusesWhatWouldNotBeHeeded) {
   };
   PictureOptions o = small();
   o.look.plain = true;
-  names("plain", {ball()}, o);
+  names("quick", {ball()}, o);
   o = small(), o.look.picture.look.smooth = false;
   names("smooth = false", {function_object()}, o);
   names("smooth = false", {cloud_object()}, o);
@@ -168,8 +168,8 @@ TEST(RenderJob, RefusesWhatWouldNotBeHeeded) {
   names("color_by", {ball(), cloud_object()}, o);
   o = small(), o.unit = "mm";
   names("unit", {ball()}, o);
-  o = small(), o.value_range = {1, 0}, o.color_by = "height";
-  names("value_range", {ball()}, o);
+  o = small(), o.color_range = {1, 0}, o.color_by = "height";
+  names("color_range", {ball()}, o);
   o = small(), o.rays = RayStart::march;
   names("rays", {cloud_object()}, o);
   o = small(), o.surface = SurfaceOptions{};

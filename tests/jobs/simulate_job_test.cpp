@@ -8,8 +8,8 @@
 
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/simulate.h"
 #include "sansmesh/motion_pictures.h"
+#include "sansmesh/simulate.h"
 
 namespace sansmesh::test {
 namespace {
@@ -105,8 +105,8 @@ TEST(SimulateJob, KeepsWhatIsAskedForAndSaysWhatIsWrongAtRest) {
   const SimulationPlan plan = plan_simulation(small_bar(), scene, {.duration = 0.04, .frames = 3});
   const SimulateResult made = simulate(plan, {.positions = true, .velocities = false}, true, progress);
   EXPECT_TRUE(noted(made.notes, "within_obstacle"));
-  EXPECT_EQ(made.motion->frames(), 3u);
-  EXPECT_TRUE(made.motion->velocities(1).empty());
+  EXPECT_EQ(made.motion.frames(), 3u);
+  EXPECT_TRUE(made.motion.velocities(1).empty());
   EXPECT_EQ(made.report.moments.size(), made.report.steps + 1);
   EXPECT_EQ(simulate(plan, {}, false, progress).report.moments.size(), 1u);
 }
@@ -126,7 +126,7 @@ TEST(SimulateJob, SurfacesGoWithTheBody) {
   inner.triangles = {{0, 1, 2}};
   const CarriedSurface surface(*plan.rest, inner);
   EXPECT_TRUE(noted(surface.notes(), "outside"));
-  const TriangleMesh moved = surface.at(*made.motion, 1);
+  const TriangleMesh moved = surface.at(made.motion, 1);
   EXPECT_NEAR(moved.origin.y + static_cast<double>(moved.vertices[0].y), 2.5, 1e-5);
   EXPECT_TRUE(CarriedSurface(*plan.rest).notes().empty());
 }

@@ -227,7 +227,7 @@ TEST(CompareJob, AlignsWhereItIsAskedTo) {
   ASSERT_TRUE(found.report.alignment);
   EXPECT_LT(found.map.statistics.rms, 0.01);
   EXPECT_NEAR(found.report.motion.shift.x, -0.2, 0.02);
-  EXPECT_THROW(compare(moving, fixed, {.alignment = {.scale = true}}, progress), ArgumentError);
+  EXPECT_THROW(compare(moving, fixed, {.alignment = {.find_scale = true}}, progress), ArgumentError);
   EXPECT_THROW(compare(sphere_function(), fixed, {.on = MapSide::reference, .align = true}, progress), ArgumentError);
   EXPECT_THROW(compare(moving, fixed, {.refine = -1}, progress), ArgumentError);
 }
@@ -236,7 +236,7 @@ TEST(CompareJob, DrawsTheMapBesideItsScale) {
   Progress progress;
   const AnySurface part(octasphere(4), "part.ply"), design(moved_by(octasphere(4), {0.1, 0, 0}), "design.stl");
   CompareOptions options;
-  options.map.tolerance = 0.05;
+  options.map.within = 0.05;
   const CompareResult made = compare(part, design, options, progress);
   RenderOptions look;
   look.view.width = 300, look.view.height = 150, look.quality.samples = 1;

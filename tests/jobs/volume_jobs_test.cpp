@@ -9,12 +9,10 @@
 
 #include "io/io_test_tools.h"
 #include "jobs/volume_models.h"
-#include "sansmesh/dataset/volume_file.h"
+#include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/fit_volume.h"
-#include "sansmesh/jobs/probe_volume.h"
-#include "sansmesh/jobs/resample.h"
 #include "sansmesh/volume/reconstruction.h"
+#include "sansmesh/volumes.h"
 #include "support/notes.h"
 
 namespace sansmesh::test {
@@ -106,7 +104,8 @@ TEST(VolumeModel, FilesOfOneFittedVolumeSayTheRestThemselves) {
   VolumeModelOptions options;
   options.reconstruction = {.method = "cubic", .b = 1, .c = 0};
   VolumeModel volume = model_of(lattice_grid({8, 8, 8}, hill), options);
-  write_volume_file(folder / "f.smv", fit_volume(volume, {}, progress).fitted);
+  write_fit(folder / "f.smv", fit_volume(volume, {}, progress));
+  EXPECT_THROW(write_fit(folder / "f.vti", fit_volume(volume, {}, progress)), FileError);
   VolumeModel opened = open_volume({folder / "f.smv"}, {}, progress);
   std::vector<Note> notes;
   opened.field(progress, notes);
@@ -199,10 +198,15 @@ TEST(ResampleJob, OptionsAreReadFromWords) {
 TEST(FitVolume, KeepsOneArrayOrAllAndSaysWhereThereIsNothingToKeep) {
   Progress progress;
   VolumeModel volume = model_of(with_vectors(lattice_grid({12, 12, 12}, hill)));
-  const FitVolumeResult one = fit_volume(volume, {}, progress), all = fit_volume(volume, {.all = true}, progress);
-  EXPECT_EQ(one.fitted.arrays.size(), 1u);
-  EXPECT_EQ(all.fitted.arrays.size(), 2u);
-  EXPECT_EQ(one.fitted.options.method, "mls-detail");
+  const FitVolumeResult one = fit_volume(volume, {}, progress),
+                        all = fit_volume(volume, {.all_arrays = true}, progress);
+  EXPECT_EQ(one.report.arrays, std::vector<std::string>{"f"});
+  EXPECT_EQ(all.report.arrays.size(), 2u);
+  const VolumeModel again(one.fitted, "kept");
+  const auto held = volume_info(again, progress).fitted;
+  ASSERT_TRUE(held);
+  EXPECT_EQ(held->options.method, "mls-detail");
+  EXPECT_EQ(held->by_degree, one.report.by_degree);
   EXPECT_FALSE(one.report.by_degree.empty());
   EXPECT_FALSE(has_note(one.notes, "no_coefficients"));
   VolumeModelOptions linear;

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/volumes.h"
 #include "volume/volume_grids.h"
 
 namespace sansmesh::test {
@@ -24,7 +24,7 @@ inline GridData with_vectors(GridData data) {
 }
 
 inline VolumeModel model_of(GridData data, const VolumeModelOptions& options = {}) {
-  return {VolumeDataset(std::move(data)), "made.vti", options};
+  return {std::move(data), "made.vti", options};
 }
 
 /// 1 in a ball of radius 0.3 about the middle of the unit cube, 0 outside, over about two samples of 21.

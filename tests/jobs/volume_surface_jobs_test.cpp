@@ -11,14 +11,11 @@
 #include "jobs/volume_models.h"
 #include "sansmesh/dataset/volume_file.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/fit_volume.h"
-#include "sansmesh/jobs/isosurface_moments.h"
-#include "sansmesh/jobs/surface_in_volume.h"
-#include "sansmesh/jobs/volume_advice.h"
-#include "sansmesh/jobs/volume_info.h"
-#include "sansmesh/jobs/volume_model.h"
+#include "sansmesh/isosurfaces.h"
+#include "sansmesh/jobs/volume_series.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "sansmesh/volume_pictures.h"
+#include "sansmesh/volumes.h"
 #include "support/notes.h"
 
 namespace sansmesh::test {
@@ -128,9 +125,9 @@ TEST(SurfaceInVolume, OfAValueOrOfHighGradient) {
   steep.surface.kind = VolumeSurfaceOptions::Kind::high_gradient;
   for (const SurfaceInVolumeOptions& options : {SurfaceInVolumeOptions(), steep}) {
     const SurfaceInVolume surface = surface_in_volume(volume, options, progress);
-    EXPECT_GT(surface.surface.report().samples, 100u);
+    EXPECT_GT(surface.report.samples, 100u);
     EXPECT_FALSE(has_note(surface.notes, "resolved")) << "a lattice";
-    const MeshInVolume mesh = mesh_of_surface(volume, surface, {}, progress);
+    const MeshInVolume mesh = mesh_of_surface(surface, {}, progress);
     EXPECT_NEAR(mesh.report.volume.value_or(0), kBall, 0.1 * kBall);
   }
   EXPECT_NEAR(surface_in_volume(volume, {}, progress).value, 0.5, 0.01);
@@ -169,7 +166,7 @@ TEST(SurfaceInVolume, OptionsThatDoNotGoTogether) {
 TEST(SurfaceInVolumePicturesJob, ColoursOfCurvatureAndOfArrays) {
   Progress progress;
   VolumeModel volume = ball_model();
-  const auto surface = std::make_shared<const SurfaceInVolume>(surface_in_volume(volume, {}, progress));
+  const SurfaceInVolume surface = surface_in_volume(volume, {}, progress);
   std::vector<Note> notes;
   const SurfaceInVolumePictures curved(surface, volume, {.color_by = "mean", .color_range = 5}, progress, notes);
   ASSERT_TRUE(curved.colors().has_value());
@@ -205,7 +202,7 @@ TEST(VolumePicturesJob, BakesForQuickPicturesAndSaysWhatIsNotThere) {
   Progress progress;
   VolumeModel volume = ball_model();
   VolumePicturesOptions options;
-  options.look.picture.view.width = 24, options.look.picture.view.height = 18, options.interactive = true,
+  options.look.picture.view.width = 24, options.look.picture.view.height = 18, options.baked = true,
   options.grid = true;
   options.look.isos = {{.value = 40, .color = {}, .opacity = 1}};
   VolumePictures pictures(volume, options, {}, progress);
@@ -214,7 +211,7 @@ TEST(VolumePicturesJob, BakesForQuickPicturesAndSaysWhatIsNotThere) {
   ASSERT_NE(pictures.baked(), nullptr);
   EXPECT_GT(pictures.baked()->bricks, 0u);
   EXPECT_TRUE(has_note(pictures.notes(), "picture"));
-  options.interactive = false, options.bake_error = 0.1;
+  options.baked = false, options.bake_error = 0.1;
   EXPECT_THROW(options.validate(), ArgumentError);
   options = {};
   options.bar = false, options.unit = "K";
@@ -247,7 +244,7 @@ TEST(VolumeAdvice, CellsInNoOrderAreABodyFittedToo) {
   VolumeModel one = model_of(two, linear());
   EXPECT_TRUE(aims_at_forces(one));
   const Folder folder;
-  write_volume_file(folder / "one.smv", fit_volume(one, {}, progress).fitted);
+  write_fit(folder / "one.smv", fit_volume(one, {}, progress));
   VolumeModel fitted = open_volume({folder / "one.smv"}, {}, progress);
   EXPECT_TRUE(aims_at_forces(fitted));
   two.blocks.push_back(two.blocks[0]);

@@ -55,10 +55,10 @@ TEST(DistanceMap, TorusAgainstAThickerOne) {
     const Vec3 core{p.x / r, p.y / r, 0};
     thin.vertices[i] = Vec3f(core + (p - core) * (0.33 / 0.35));
   }
-  const DistanceMap map = compare(thin, torus, {.tolerance = 0.021});
+  const DistanceMap map = compare(thin, torus, {.within = 0.021});
   for (const float d : map.distance) ASSERT_NEAR(d, -0.02, 3e-4);
   EXPECT_DOUBLE_EQ(*map.statistics.within_tolerance, 1);
-  EXPECT_DOUBLE_EQ(*compare(thin, torus, {.tolerance = 0.01}).statistics.within_tolerance, 0);
+  EXPECT_DOUBLE_EQ(*compare(thin, torus, {.within = 0.01}).statistics.within_tolerance, 0);
 }
 
 TEST(DistanceMap, FieldAndMeshTellTheSame) {
@@ -176,7 +176,7 @@ TEST(DistanceMap, PointsAgainstPoints) {
 
 TEST(DistanceMap, DoesNotDependOnTheNumberOfThreads) {
   const TriangleMesh part = test::torus_mesh(300, 150), reference = test::torus_mesh(170, 90);
-  test::compare_threads([&] { return compare(part, reference, {.tolerance = 1e-4}); },
+  test::compare_threads([&] { return compare(part, reference, {.within = 1e-4}); },
                         [](const DistanceMap& one, const DistanceMap& many) {
                           EXPECT_EQ(one.distance, many.distance);
                           EXPECT_EQ(one.statistics.rms, many.statistics.rms);
@@ -199,7 +199,7 @@ TEST(DistanceMap, IdenticalSurfacesAreAtZero) {
 TEST(DistanceMap, ChecksItsOptions) {
   const TriangleMesh sphere = test::octasphere(1);
   EXPECT_THROW(compare(sphere, sphere, {.max_distance = 0}), ArgumentError);
-  EXPECT_THROW(compare(sphere, sphere, {.tolerance = -1}), ArgumentError);
+  EXPECT_THROW(compare(sphere, sphere, {.within = -1}), ArgumentError);
   EXPECT_THROW(compare(sphere, sphere, {.color_range = NAN}), ArgumentError);
 }
 

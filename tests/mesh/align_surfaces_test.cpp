@@ -155,7 +155,7 @@ TEST(AlignSurfaces, OfAnotherUnit) {
   TriangleMesh moving = fixed;
   transform(moving, far_motion(75).after(AffineMap::scaling({25.4, 25.4, 25.4})));
   SurfaceAlignmentOptions options;
-  options.scale = true;
+  options.find_scale = true;
   Progress progress;
   const SurfaceAlignment found = align_surfaces(moving, fixed, options, progress);
   EXPECT_NEAR(found.motion.scale * 25.4, 1, 1e-3);

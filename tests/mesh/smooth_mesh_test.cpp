@@ -110,7 +110,7 @@ TEST(SmoothMesh, LengthSaysWhichWavesGo) {
     Progress progress;
     TriangleMesh plain = torus;
     SmoothOptions options;
-    options.length = 2 * std::numbers::pi / 30;  // at the middle of the tube
+    options.shorter_than = 2 * std::numbers::pi / 30;  // at the middle of the tube
     smooth_mesh(mesh, options, progress);
     smooth_mesh(plain, options, progress);
     double left = 0, all = 0;
@@ -236,8 +236,8 @@ TEST(SmoothMesh, BadOptions) {
   };
   fails([](SmoothOptions& o) { o.iterations = 0; });
   fails([](SmoothOptions& o) { o.strength = 0.7; });
-  fails([](SmoothOptions& o) { o.length = -1; });
-  fails([](SmoothOptions& o) { o.length = 1, o.creases = true; });
+  fails([](SmoothOptions& o) { o.shorter_than = -1; });
+  fails([](SmoothOptions& o) { o.shorter_than = 1, o.creases = true; });
   fails([](SmoothOptions& o) { o.crease_angle = 20; });
 }
 

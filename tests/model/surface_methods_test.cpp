@@ -65,7 +65,7 @@ SurfaceOptions with(std::string_view method, std::string_view option) {
                                                              {"iterations", std::int64_t{1}},
                                                              {"epsilon", 0.8},
                                                              {"normal", std::string("covariance")},
-                                                             {"plane", std::string("nonlinear")},
+                                                             {"reference_plane", std::string("nonlinear")},
                                                              {"polynomial", std::string("3")},
                                                              {"flow", std::string("normal")},
                                                              {"diffusion", std::string("hard")},

@@ -29,7 +29,6 @@ class FormulaVolume : public VolumeField {
       if (!wanted.values.empty()) wanted.values[i] = value(x[i]);
       if (!wanted.gradients.empty()) wanted.gradients[i] = gradient(x[i]);
       if (!wanted.inside.empty()) wanted.inside[i] = in ? in(x[i]) : box.contains(x[i]);
-      if (!wanted.degrees.empty()) wanted.degrees[i] = 1;
     });
   }
   void spacing(std::span<const Vec3> x, std::span<double> found) const override {

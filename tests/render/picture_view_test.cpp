@@ -86,7 +86,7 @@ std::vector<std::pair<std::string, Draw>> all_kinds() {
     field.box = {{-4, -2, -8}, {4, 2, 2}};
     VolumePictureOptions own;
     own.picture = o;
-    own.opacity_scale = 0, own.cut_faces = false;
+    own.opacity_factor = 0, own.clip_faces = false;
     own.isos = {{0, Vec3f{1, 1, 1}, 1}};
     own.transfer = TransferFunction{{}, {{-1, {}}, {8, {}}}, {{-1, 0}, {8, 0}}};
     VolumeSubject subject;
@@ -200,7 +200,7 @@ TEST(PictureView, ABoxAsLargeAsTheVolumeCutsNothing) {
   VolumePictureOptions options;
   options.picture = front_view();
   options.isos = {{0, Vec3f{1, 1, 1}, 1}};
-  options.opacity_scale = 0;
+  options.opacity_factor = 0;
   options.transfer = TransferFunction{{}, {{-1, {}}, {8, {}}}, {{-1, 0}, {8, 1}}};
   VolumeSubject subject;
   subject.field = &field;

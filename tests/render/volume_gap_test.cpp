@@ -77,7 +77,7 @@ TEST(VolumeGap, NothingIsSeenInGaps) {
       VolumeSubject subject{&field, nullptr, nullptr, {}};
       subject.gap = &gap;
       VolumePictureOptions options = gap_pixel(0.3, 0.25);
-      options.cut_faces = false;
+      options.clip_faces = false;
       for (const double step : {0.3, 1.0, 2.5}) {
         options.step = step;
         const double length = 1 - 2 * half / n.x;
@@ -96,7 +96,7 @@ TEST(VolumeGap, SlicesBetweenGapsAreNotMissed) {
   VolumeSubject subject{&field, nullptr, nullptr, {}};
   subject.gap = &gap;
   VolumePictureOptions options = gap_pixel(0.3, 0.005);
-  options.cut_faces = false;
+  options.clip_faces = false;
   EXPECT_NEAR(ray_along(subject, options, {0, 0.4, 0.3}, {1, 0.4, 0.3})[3], std::pow(0.7, 1.2), 5e-3);
 }
 
@@ -136,11 +136,11 @@ TEST(VolumeGap, FacesOfIsoSurfacesShowWhatIsNotBelowTheLeast) {
   VolumeSubject subject{&field, nullptr, nullptr, {}};
   subject.gap = &gap;
   VolumePictureOptions options = gap_pixel(0.3, 0.25);
-  options.opacity_scale = 0;
+  options.opacity_factor = 0;
   options.isos = {{0.5, {}, 1}};
   EXPECT_EQ(ray_along(subject, options, {0, 0.7, 0.3}, {1, 0.7, 0.3})[3], 0);
   EXPECT_EQ(ray_along(subject, options, {0, 0.3, 0.3}, {1, 0.3, 0.3})[3], 1);
-  options.cut_faces = false;
+  options.clip_faces = false;
   EXPECT_EQ(ray_along(subject, options, {0, 0.7, 0.3}, {1, 0.7, 0.3})[3], 1);
 }
 
@@ -176,7 +176,7 @@ TEST(VolumeGap, ParallelRaysSeeTheSameFromAnyDistance) {
   slice.slope = [](const Vec3& x) { return Vec3{x.x > 0.52 ? 1.0 : -1.0, 0, 0}; };
   subject.gap = &slice;
   VolumePictureOptions sliced = gap_pixel(0.3, 0.005);
-  sliced.cut_faces = false;
+  sliced.clip_faces = false;
   expect_same(subject, sliced);
 }
 

@@ -107,7 +107,7 @@ TEST(VolumePicture, HomogeneousCubeKeepsBackWhatTheIntegralSays) {
       const auto diagonal = along(subject, options, {0, 0, 0}, {1, 1, 1});
       EXPECT_NEAR(diagonal[3], std::pow(0.7, 4 * kDiagonal), 2e-6) << step;
     }
-    options.opacity_scale = 2;
+    options.opacity_factor = 2;
     EXPECT_NEAR(along(subject, options, {0.4, 0.3, 0}, {0.4, 0.3, 1})[3], std::pow(0.7, 8), 2e-6);
   }
 }
@@ -200,7 +200,7 @@ TEST(VolumePicture, IsoSurfaceOfABallLiesWhereItIs) {
     options.step = step;
     for (const double aside : {0.0, 0.1, 0.2, 0.29}) {
       VolumePictureOptions clear = options;
-      clear.opacity_scale = 0;
+      clear.opacity_factor = 0;
       const Vec3 a{0.5 + aside, 0.5, 0}, b{0.5 + aside, 0.5, 1};
       const double dim = along(subject, options, a, b)[0] / along(subject, clear, a, b)[0];
       const double depth = std::log(dim) / std::log(0.5) * 0.5;
@@ -208,7 +208,7 @@ TEST(VolumePicture, IsoSurfaceOfABallLiesWhereItIs) {
       EXPECT_EQ(along(subject, clear, a, b)[3], 0);
     }
     VolumePictureOptions clear = options;
-    clear.opacity_scale = 0;
+    clear.opacity_factor = 0;
     EXPECT_EQ(along(subject, clear, {0.81, 0.5, 0}, {0.81, 0.5, 1})[3], 1) << "beside the ball";
     // Both sides of a translucent surface.
     clear.isos = {{0.3, Vec3f{1, 1, 1}, 0.25}};
@@ -224,7 +224,7 @@ TEST(VolumePicture, IsoSurfaceLooksLikeTheSurfaceItself) {
   for (Vec3f& v : sphere.vertices) v = v * 0.4f;
   VolumePictureOptions options = small_volume_picture(96);
   options.transfer = fog(0, 1);
-  options.opacity_scale = 0;
+  options.opacity_factor = 0;
   VolumePictureOptions with_iso = options;
   with_iso.isos = {{0.4, options.picture.look.surface_color, 1}};
   const Image iso = picture_of({&field, nullptr, nullptr, {}}, with_iso);
@@ -250,7 +250,7 @@ TEST(VolumePicture, SurfacesHideWhatIsBehindThem) {
   VolumePictureOptions options = one_pixel(fog(0.3, 0.1, {0, 0, 0}));
   VolumeSubject subject{&field, nullptr, nullptr, {surface_in_picture(wall, options.picture)}};
   VolumePictureOptions clear = options;
-  clear.opacity_scale = 0;
+  clear.opacity_factor = 0;
   const Vec3 a{0.5, 0.5, 0}, b{0.5, 0.5, 1};
   const auto hidden = along(subject, options, a, b);
   EXPECT_EQ(hidden[3], 0);
@@ -271,7 +271,7 @@ TEST(VolumePicture, TranslucentSheetsAreSeenInTheirOrder) {
   };
   const Vec3 a{0.5, 0.5, 0}, b{0.5, 0.5, 1};
   VolumePictureOptions clear = options;
-  clear.opacity_scale = 0;
+  clear.opacity_factor = 0;
   const double own = along({&field, nullptr, nullptr, {sheet(0.4f, 1)}}, clear, a, b)[0];
   for (const bool swapped : {false, true}) {
     const PictureSurface near = sheet(0.4f, 0.5), far = sheet(0.7f, 0.25);
@@ -331,22 +331,22 @@ TEST(VolumePicture, CutsTakeAwayAndShowValues) {
   const FormulaVolume field = linear_volume({1, 0, 0});
   VolumeSubject subject{&field, nullptr, nullptr, {}};
   VolumePictureOptions options = one_pixel(fog(0.3, 0.25, {1, 1, 1}));
-  options.cut_faces = false;
+  options.clip_faces = false;
   const Vec3 a{0, 0.5, 0.5}, b{1, 0.5, 0.5};
-  options.cuts = {volume_cut_of("x>0.6")};
+  options.clips = {volume_cut_of("x>0.6")};
   EXPECT_NEAR(along(subject, options, a, b)[3], std::pow(0.7, 4 * 0.6), 1e-5);
-  options.cuts = {volume_cut_of("0.25<x<0.5"), volume_cut_of("x<0.1")};
+  options.clips = {volume_cut_of("0.25<x<0.5"), volume_cut_of("x<0.1")};
   EXPECT_NEAR(along(subject, options, a, b)[3], std::pow(0.7, 4 * 0.65), 1e-5);
-  options.cuts = {volume_cut_of("1,1,0>1")};  // of distance 1 along the unit vector: x + y < √2
+  options.clips = {volume_cut_of("1,1,0>1")};  // of distance 1 along the unit vector: x + y < √2
   EXPECT_NEAR(along(subject, options, a, b)[3], std::pow(0.7, 4 * (std::sqrt(2.0) - 0.5)), 1e-5);
-  options.cuts = {volume_cut_of("x>-1")};
+  options.clips = {volume_cut_of("x>-1")};
   EXPECT_EQ(along(subject, options, a, b)[3], 1);
   // The face has the colour of its value, and nothing shines through.
   TransferFunction gray = fog(0.3, 0.25);
   gray.colors = {{0, {0, 0, 0}}, {1, {1, 1, 1}}};
   options.transfer = gray;
-  options.cut_faces = true;
-  options.cuts = {volume_cut_of("x<0.75")};
+  options.clip_faces = true;
+  options.clips = {volume_cut_of("x<0.75")};
   const auto face = along(subject, options, a, b);
   EXPECT_EQ(face[3], 0);
   EXPECT_NEAR(face[1], linear_color(gray.color(0.75)).y, 1e-4);
@@ -547,7 +547,7 @@ TEST(VolumePicture, SameForAnyThreads) {
   const TriangleMesh boundary = box_surface({0, 0, 0}, {1, 1, 1});
   VolumePictureOptions options = blob_picture(72);
   options.picture.quality.samples = 2;
-  options.cuts = {volume_cut_of("x>0.62")};
+  options.clips = {volume_cut_of("x>0.62")};
   test::expect_equal_for_any_threads([&] { return picture_of({&field, nullptr, &boundary, {}}, options).pixels; });
 }
 
@@ -603,7 +603,7 @@ TEST(VolumeTracer, RaysDoNotDependOnEachOther) {
 TEST(VolumePicture, FineEdgesTakeSeveralRays) {
   const FormulaVolume field = ball_volume({0.5, 0.5, 0.5});
   VolumePictureOptions options = small_volume_picture(64);
-  options.opacity_scale = 0;
+  options.opacity_factor = 0;
   options.isos = {{0.4, Vec3f{1, 1, 1}, 1}};
   const auto soft = [&](const Image& image) {
     std::size_t count = 0;
@@ -622,13 +622,13 @@ TEST(VolumePicture, BadRequestsAreNamed) {
     EXPECT_THROW(options.validate(), ArgumentError);
   };
   refused([](auto& o) { o.step = 0; });
-  refused([](auto& o) { o.opacity_scale = -1; });
+  refused([](auto& o) { o.opacity_factor = -1; });
   refused([](auto& o) { o.preset = "bones"; });
   refused([](auto& o) { o.preset = "gray", o.transfer = fog(0, 1); });
   refused([](auto& o) { o.isos = {{std::nan(""), {}, 1}}; });
   refused([](auto& o) { o.isos = {{0, {}, 2}}; });
-  refused([](auto& o) { o.cuts = {{{0, 0, 0}, 1}}; });
-  refused([](auto& o) { o.cuts = {{{1, 0, 0}, 1, 0}}; });
+  refused([](auto& o) { o.clips = {{{0, 0, 0}, 1}}; });
+  refused([](auto& o) { o.clips = {{{1, 0, 0}, 1, 0}}; });
   refused([](auto& o) { o.transfer = TransferFunction{}; });
   for (const char* text : {"", "x", "1:red", "1:#12345", "1:#123456:2", "nan", "1:#123456:1:1"})
     EXPECT_THROW(iso_surface_of(text), ArgumentError) << text;

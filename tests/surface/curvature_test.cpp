@@ -198,7 +198,7 @@ TEST(Curvature, AnywhereAgreesWithThatAtSamples) {
   for (const bool radius : {false, true}) {
     CurvatureOptions options;
     options.neighbours = 30;
-    if (radius) options.radius = 0.08;
+    if (radius) options.bandwidth = 0.08;
     const CurvatureEstimator estimator(cloud.points, options);
     Progress progress;
     const auto at_samples = estimator.at_samples(progress);
@@ -283,7 +283,7 @@ TEST(Curvature, ChecksItsArguments) {
     EXPECT_THROW(curvatures(points, options), ArgumentError);
   };
   bad([](CurvatureOptions& o) { o.tau = 0; });
-  bad([](CurvatureOptions& o) { o.radius = 0; });
+  bad([](CurvatureOptions& o) { o.bandwidth = 0; });
   bad([](CurvatureOptions& o) { o.neighbours = 3; });
   bad([](CurvatureOptions& o) { o.noise = -1; });
   const CurvatureEstimator estimator(points, {});

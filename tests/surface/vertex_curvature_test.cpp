@@ -195,7 +195,7 @@ TEST(VertexCurvature, CapsOfManySpokesDoNotBendTheSide) {
 TEST(VertexCurvature, WithinARadius) {
   const TriangleMesh mesh = octasphere(4);
   CurvatureOptions options;
-  options.radius = 0.3;
+  options.bandwidth = 0.3;
   EXPECT_LT(error_of(mesh, curvatures_of(mesh, options), sphere_curvatures), 1e-3);
 }
 

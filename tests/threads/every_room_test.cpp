@@ -357,7 +357,7 @@ TEST(EveryRoom, VolumesAreAsked) {
       const auto field = reconstruct_volume(volume, "f", options, progress);
       const auto x = points_about(3000, 1);
       std::vector<double> values(x.size());
-      field->evaluate(x, {values, {}, {}, {}});
+      field->evaluate(x, {values});
       found << values << volume->stars.entries << volume_boundary(*volume).triangles;
     }
     return found;

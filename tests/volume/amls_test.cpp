@@ -23,7 +23,7 @@ double front(const Vec3& x) { return std::tanh(9 * (x.z - x.x - x.y)); }
 
 double most_error(const VolumeField& field, const std::vector<Vec3>& x, const VolumeFunction& f) {
   std::vector<double> values(x.size());
-  field.evaluate(x, {values, {}, {}, {}});
+  field.evaluate(x, {values});
   double most = 0;
   for (std::size_t i = 0; i < x.size(); ++i) most = std::max(most, std::abs(values[i] - f(x[i])));
   return most;
@@ -62,7 +62,7 @@ TEST(Amls, BallsReachOverCellsThatEllipsoidsFit) {
   Progress progress;
   ReconstructionOptions options;
   options.method = "amls";
-  options.shape = 1, options.iterations = 2;
+  options.epsilon = 1, options.iterations = 2;
   const std::vector<Vec3> places = places_within(*volume, 300);
   const double ellipsoids = most_error(*reconstruct_volume(volume, "f", options, progress), places, layered);
   options.spherical = true;
@@ -141,7 +141,7 @@ TEST(AmlsField, ChoiceDoesNotDependOnThreads) {
   const auto x = places_within(*volume, 500);
   expect_equal_for_any_threads([&] {
     std::vector<double> values(x.size());
-    field_of(volume, "amls")->evaluate(x, {values, {}, {}, {}});
+    field_of(volume, "amls")->evaluate(x, {values});
     return values;
   });
 }

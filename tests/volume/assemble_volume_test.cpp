@@ -199,7 +199,7 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
     std::vector<VolumePlace> places(x.size());
     VolumeLocator(*volume).locate(x, places);
     std::vector<double> values(x.size());
-    field_of(volume, "linear")->evaluate(x, {values, {}, {}, {}});
+    field_of(volume, "linear")->evaluate(x, {values});
     for (std::size_t k = 0; k < x.size(); ++k) {
       // Many of these cells are folded over and over, and cover some places several times.
       if (!places[k].inside) {
@@ -423,7 +423,7 @@ TEST(AssembleVolume, SingleLayersBecomeSlabs) {
       const Vec3 x = block_point(data.blocks[0], 7) + Vec3{0.05, 0, 0};
       double value = 0;
       std::uint8_t inside = 0;
-      field->evaluate({&x, 1}, {{&value, 1}, {}, {&inside, 1}, {}});
+      field->evaluate({&x, 1}, {{&value, 1}, {}, {&inside, 1}});
       EXPECT_EQ(inside, 1);
       EXPECT_NEAR(value, a == Association::points ? linear_function(x) : 1, 1e-12);
     }

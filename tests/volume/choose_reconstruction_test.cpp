@@ -1,4 +1,5 @@
 #include "sansmesh/volume/choose_reconstruction.h"
+#include "sansmesh/volume/volume_traits.h"
 
 #include <gtest/gtest.h>
 

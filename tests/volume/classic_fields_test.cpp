@@ -54,7 +54,7 @@ TEST(ClassicFields, ReproduceConstants) {
                    std::vector<double> values(x.size());
                    std::vector<Vec3> gradients(x.size());
                    std::vector<std::uint8_t> inside(x.size());
-                   field.evaluate(x, {values, gradients, inside, {}});
+                   field.evaluate(x, {values, gradients, inside});
                    for (std::size_t i = 0; i < x.size(); ++i) {
                      ASSERT_NEAR(values[i], 3.25, 1e-9) << i;
                      ASSERT_NEAR(norm(gradients[i]), 0, 1e-6) << i;
@@ -69,7 +69,7 @@ TEST(ClassicFields, ReproduceStraightFunctions) {
                    const auto x = places_within(volume, 100);
                    std::vector<double> values(x.size());
                    std::vector<Vec3> gradients(x.size());
-                   field.evaluate(x, {values, gradients, {}, {}});
+                   field.evaluate(x, {values, gradients});
                    for (std::size_t i = 0; i < x.size(); ++i) {
                      ASSERT_NEAR(values[i], linear_function(x[i]), 1e-6) << i;
                      ASSERT_NEAR(norm(gradients[i] - kLinearGradient), 0, 1e-4) << i;
@@ -89,7 +89,7 @@ TEST(ClassicFields, NaturalNeighboursReproduceStraightFunctions) {
     for (const std::uint32_t s : {7u, 11u, 60u}) x.push_back(volume->position(s));  // and at samples
     std::vector<double> values(x.size());
     std::vector<Vec3> gradients(x.size());
-    field->evaluate(x, {values, gradients, {}, {}});
+    field->evaluate(x, {values, gradients});
     for (std::size_t i = 0; i < x.size(); ++i) {
       ASSERT_NEAR(values[i], linear_function(x[i]), 2e-3) << i;
       if (i + 3 < x.size()) ASSERT_NEAR(norm(gradients[i] - kLinearGradient), 0, 0.02) << i;
@@ -110,7 +110,7 @@ TEST(ClassicFields, InterpolateTheirSamples) {
                      x.push_back(volume.position(s)), f.push_back(array.number(s));
                    std::vector<double> values(x.size());
                    std::vector<Vec3> gradients(x.size());
-                   field.evaluate(x, {values, gradients, {}, {}});
+                   field.evaluate(x, {values, gradients});
                    for (std::size_t i = 0; i < x.size(); ++i) {
                      ASSERT_NEAR(values[i], f[i], 1e-6) << i;
                      ASSERT_TRUE(is_finite(gradients[i])) << i;
@@ -132,8 +132,8 @@ TEST(ClassicFields, GradientsAreThoseOfTheValues) {
                        }
                    std::vector<double> values(x.size()), around(shifted.size());
                    std::vector<Vec3> gradients(x.size());
-                   field.evaluate(x, {values, gradients, {}, {}});
-                   field.evaluate(shifted, {around, {}, {}, {}});
+                   field.evaluate(x, {values, gradients});
+                   field.evaluate(shifted, {around});
                    std::size_t wrong = 0;
                    for (std::size_t i = 0; i < x.size(); ++i) {
                      Vec3 difference;
@@ -168,7 +168,7 @@ TEST(ClassicFields, AreContinuousAcrossFaces) {
       SCOPED_TRACE(method);
       std::vector<double> values(x.size());
       std::vector<std::uint8_t> inside(x.size());
-      field_of(volume, method)->evaluate(x, {values, {}, inside, {}});
+      field_of(volume, method)->evaluate(x, {values, {}, inside});
       for (std::size_t i = 0; i < x.size(); i += 2)
         if (inside[i] && inside[i + 1]) ASSERT_NEAR(values[i], values[i + 1], 2e-5) << i;
     }
@@ -182,7 +182,7 @@ TEST(ClassicFields, AreFiniteAnywhereAndGoOnALittle) {
     std::vector<double> values(x.size(), 7), spacings(x.size());
     std::vector<Vec3> gradients(x.size(), {7, 7, 7});
     std::vector<std::uint8_t> inside(x.size(), 7);
-    field.evaluate(x, {values, gradients, inside, {}});
+    field.evaluate(x, {values, gradients, inside});
     field.spacing(x, spacings);
     for (std::size_t i = 0; i < x.size(); ++i) {
       EXPECT_TRUE(std::isfinite(values[i]) && is_finite(gradients[i])) << i;
@@ -199,7 +199,7 @@ TEST(ClassicFields, AreFiniteAnywhereAndGoOnALittle) {
     for (std::size_t s = 0; s < volume.size(); s += every) places.push_back(volume.position(s));
     std::vector<double> at(places.size());
     std::vector<Vec3> slopes(places.size());
-    field.evaluate(places, {at, slopes, {}, {}});
+    field.evaluate(places, {at, slopes});
     for (std::size_t i = 0; i < places.size(); ++i) ASSERT_TRUE(std::isfinite(at[i]) && norm(slopes[i]) < 1e4) << i;
   });
 }
@@ -225,10 +225,10 @@ TEST(ClassicFields, AnswersDoNotDependOnWhatIsAskedFor) {
         const std::size_t n = x.size();
         std::vector<double> alone(n), with_gradients(n), with_all(n);
         std::vector<Vec3> gradients(n), all_gradients(n);
-        std::vector<std::uint8_t> inside(n), degrees(n);
-        field->evaluate(x, {alone, {}, {}, {}});
-        field->evaluate(x, {with_gradients, gradients, {}, {}});
-        field->evaluate(x, {with_all, all_gradients, inside, degrees});
+        std::vector<std::uint8_t> inside(n);
+        field->evaluate(x, {alone});
+        field->evaluate(x, {with_gradients, gradients});
+        field->evaluate(x, {with_all, all_gradients, inside});
         for (std::size_t i = 0; i < n; ++i) {
           ASSERT_EQ(alone[i], with_gradients[i]) << i;
           ASSERT_EQ(alone[i], with_all[i]) << i;
@@ -249,7 +249,7 @@ TEST(ClassicFields, AnswersDependOnThePointAlone) {
     const auto all = [&] {
       std::vector<double> values(x.size());
       std::vector<Vec3> gradients(x.size());
-      field->evaluate(x, {values, gradients, {}, {}});
+      field->evaluate(x, {values, gradients});
       for (const Vec3& g : gradients) values.insert(values.end(), {g.x, g.y, g.z});
       return values;
     };
@@ -258,9 +258,9 @@ TEST(ClassicFields, AnswersDependOnThePointAlone) {
     for (std::size_t i = 0; i < x.size(); i += 97) {
       double alone = 0;
       Vec3 slope;
-      field->evaluate({&x[i], 1}, {{&alone, 1}, {&slope, 1}, {}, {}});
+      field->evaluate({&x[i], 1}, {{&alone, 1}, {&slope, 1}});
       EXPECT_EQ(alone, together[i]);
-      field->evaluate({&x[i], 1}, {{&alone, 1}, {}, {}, {}});
+      field->evaluate({&x[i], 1}, {{&alone, 1}});
       EXPECT_EQ(alone, together[i]);
     }
   }
@@ -286,8 +286,8 @@ TEST(ClassicFields, ComponentsAreFieldsOfTheirOwn) {
       ASSERT_EQ(vector->components(), 3u);
       std::vector<double> values(x.size()), three(3 * x.size());
       std::vector<Vec3> gradients(x.size()), slopes(3 * x.size());
-      field_of(volume, method)->evaluate(x, {values, gradients, {}, {}});
-      vector->evaluate(x, {three, slopes, {}, {}});
+      field_of(volume, method)->evaluate(x, {values, gradients});
+      vector->evaluate(x, {three, slopes});
       for (std::size_t i = 0; i < x.size(); ++i) {
         ASSERT_NEAR(three[3 * i], 2, 1e-9);
         ASSERT_NEAR(three[3 * i + 1], values[i], 1e-9);
@@ -307,7 +307,7 @@ TEST(ClassicFields, SamplesInCellsReachTheSurface) {
     const auto x = places_within(*volume, 400);
     const auto worst = [&](const Method& method) {
       std::vector<double> values(x.size());
-      field_of(volume, method)->evaluate(x, {values, {}, {}, {}});
+      field_of(volume, method)->evaluate(x, {values});
       double most = 0;
       for (std::size_t i = 0; i < x.size(); ++i) most = std::max(most, std::abs(values[i] - smooth(x[i])));
       return most;
@@ -356,8 +356,8 @@ TEST(ClassicFields, LocalMethodsFollowStretchedCells) {
     std::vector<Vec3> y;
     for (const Vec3& p : x) y.push_back(stretch(p));
     std::vector<double> a(x.size()), b(x.size());
-    field_of(plain, method)->evaluate(x, {a, {}, {}, {}});
-    field_of(flat, method)->evaluate(y, {b, {}, {}, {}});
+    field_of(plain, method)->evaluate(x, {a});
+    field_of(flat, method)->evaluate(y, {b});
     // Shapes by the star's moments keep their form under stretching; mean values in tetrahedra are linear.
     for (std::size_t i = 0; i < x.size(); ++i) ASSERT_NEAR(a[i], b[i], 2e-3) << i;
   }

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "sansmesh/volume/cell_agreement.h"
+#include "sansmesh/volume/degree_field.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 #include "volume/volume_checks.h"
@@ -36,7 +37,8 @@ TEST(MlsDetail, ReproducesLinearFunctionsOnEveryGrid) {
     std::vector<double> values(x.size()), spacings(x.size());
     std::vector<Vec3> gradients(x.size());
     std::vector<std::uint8_t> inside(x.size()), degrees(x.size());
-    field->evaluate(x, {values, gradients, inside, degrees});
+    field->evaluate(x, {values, gradients, inside});
+    dynamic_cast<const DegreeField&>(*field).degrees(x, degrees);
     field->spacing(x, spacings);
     for (std::size_t i = 0; i < x.size(); ++i) {
       ASSERT_NEAR(values[i], linear_function(x[i]), 1e-5) << i;
@@ -63,7 +65,8 @@ TEST(MlsDetail, ReproducesCubicsAwayFromTheBoundary) {
     std::vector<double> values(x.size());
     std::vector<Vec3> gradients(x.size());
     std::vector<std::uint8_t> degrees(x.size());
-    field->evaluate(x, {values, gradients, {}, degrees});
+    field->evaluate(x, {values, gradients});
+    dynamic_cast<const DegreeField&>(*field).degrees(x, degrees);
     for (std::size_t i = 0; i < x.size(); ++i) {
       ASSERT_NEAR(values[i], cubic_function(x[i]), 2e-6) << i;
       ASSERT_NEAR(norm(gradients[i] - cubic_gradient(x[i])), 0, 2e-4) << i;
@@ -199,7 +202,7 @@ TEST(MlsDetail, StepsAreNeitherSmearedNorRung) {
     const auto x = places_within(*volume, 20000);
     const auto robust = detail_of(volume, true), plain = detail_of(volume, false);
     std::vector<double> values(x.size());
-    robust->evaluate(x, {values, {}, {}, {}});
+    robust->evaluate(x, {values});
     for (const double v : values) {  // a four hundredth of the step
       ASSERT_GE(v, 1 - 0.01);
       ASSERT_LE(v, 5 + 0.01);
@@ -222,7 +225,7 @@ TEST(MlsDetail, HasNoCracksAcrossLevelsAndBordersOfBlocks) {
   }
   std::vector<double> values(pairs.size());
   std::vector<Vec3> gradients(pairs.size());
-  field->evaluate(pairs, {values, gradients, {}, {}});
+  field->evaluate(pairs, {values, gradients});
   for (std::size_t i = 0; i < pairs.size(); i += 2) {
     ASSERT_NEAR(values[i], values[i + 1], 1e-5);
     ASSERT_NEAR(norm(gradients[i] - gradients[i + 1]), 0, 1e-2);
@@ -286,7 +289,7 @@ TEST(MlsDetail, DoesNotReachAcrossGaps) {
     const auto field = field_of(volume, "mls-detail");
     const auto x = places_within(*volume, 1000);
     std::vector<double> values(x.size());
-    field->evaluate(x, {values, {}, {}, {}});
+    field->evaluate(x, {values});
     for (std::size_t i = 0; i < x.size(); ++i) ASSERT_NEAR(values[i], x[i].z > 0.105 ? 1 : 0, 1e-6);
   }
 }
@@ -330,7 +333,7 @@ TEST(MlsDetail, IsFiniteAnywhereAndZeroAtPointsThatAreNot) {
     std::vector<double> values(x.size(), 7);
     std::vector<Vec3> gradients(x.size());
     std::vector<std::uint8_t> inside(x.size(), 9);
-    field->evaluate(x, {values, gradients, inside, {}});
+    field->evaluate(x, {values, gradients, inside});
     for (std::size_t i = 0; i < x.size(); ++i) EXPECT_TRUE(std::isfinite(values[i]) && is_finite(gradients[i])) << i;
     EXPECT_EQ(values[0], 0);
     EXPECT_EQ(values[1], 0);
@@ -344,10 +347,10 @@ TEST(MlsDetail, AnswersDependOnThePointAlone) {
     std::vector<double> alone(x.size());
     const auto field = field_of(volume, "mls-detail");
     for (std::size_t i = 0; i < x.size(); i += 7)
-      field->evaluate(std::span(x).subspan(i, 1), {std::span(alone).subspan(i, 1), {}, {}, {}});
+      field->evaluate(std::span(x).subspan(i, 1), {std::span(alone).subspan(i, 1)});
     const auto all = [&] {
       std::vector<double> values(x.size());
-      field_of(volume, "mls-detail")->evaluate(x, {values, {}, {}, {}});
+      field_of(volume, "mls-detail")->evaluate(x, {values});
       return values;
     };
     expect_equal_for_any_threads(all);

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sansmesh/error.h"
+#include "sansmesh/volume/degree_field.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 #include "volume/volume_checks.h"
@@ -27,7 +28,7 @@ TEST(MlsField, ReproducesLinearFunctionsOnEveryGrid) {
       const auto x = places_within(*volume, 300);
       std::vector<double> values(x.size());
       std::vector<Vec3> gradients(x.size());
-      field->evaluate(x, {values, gradients, {}, {}});
+      field->evaluate(x, {values, gradients});
       for (std::size_t i = 0; i < x.size(); ++i) {
         ASSERT_NEAR(values[i], linear_function(x[i]), 2e-5) << i;
         // In slivers differences of the last bit are large slopes.
@@ -52,7 +53,7 @@ TEST(MlsField, GoesOnStraightOutside) {
                                       : slanted(Vec3{0.5, 0.5, 0.5} + side * (0.5 + far / 2)));
       std::vector<double> values(x.size());
       std::vector<std::uint8_t> inside(x.size());
-      field->evaluate(x, {values, {}, inside, {}});
+      field->evaluate(x, {values, {}, inside});
       for (std::size_t i = 0; i < x.size(); ++i) {
         ASSERT_EQ(inside[i], 0) << i;
         if (i < 4)
@@ -73,7 +74,8 @@ TEST(MlsField, ReproducesPolynomialsOfItsDegree) {
     std::erase_if(x, [&](const Vec3& p) { return norm(p - middle) > 0.2; });
     std::vector<double> values(x.size());
     std::vector<std::uint8_t> degrees(x.size());
-    field->evaluate(x, {values, {}, {}, degrees});
+    field->evaluate(x, {values});
+    dynamic_cast<const DegreeField&>(*field).degrees(x, degrees);
     for (std::size_t i = 0; i < x.size(); ++i) {
       // The share that is confirmed is 1 but for rounding to float.
       ASSERT_NEAR(values[i], quadratic_function(x[i]), 1e-7) << i;
@@ -94,7 +96,8 @@ TEST(MlsDetailField, SlabsOfTwoLayersAreCurvedAlongThem) {
     const auto x = places_within(*volume, 500);
     std::vector<double> values(x.size());
     std::vector<std::uint8_t> degrees(x.size());
-    field->evaluate(x, {values, {}, {}, degrees});
+    field->evaluate(x, {values});
+    dynamic_cast<const DegreeField&>(*field).degrees(x, degrees);
     for (std::size_t i = 0; i < x.size(); ++i) {
       ASSERT_NEAR(values[i], turned(x[i]), 1e-5) << i;
       ASSERT_GE(degrees[i], 2) << i;
@@ -171,7 +174,7 @@ TEST(AmlsField, MoreIterationsComeNearerToTheSamples) {
     Progress progress;
     ReconstructionOptions options;
     options.method = "amls";
-    options.shape = 1.5, options.iterations = n;
+    options.epsilon = 1.5, options.iterations = n;
     const double error = mean_error(*reconstruct_volume(volume, "f", options, progress), volume->positions, bump);
     EXPECT_LT(error, 0.5 * before);
     before = error;
@@ -184,8 +187,8 @@ TEST(AmlsField, ChoosesWidthAndIterationsAndSaysSo) {
   options.method = "amls";
   ReconstructionReport report;
   reconstruct_volume(volume_of(bent_grid({7, 7, 7}, bump)), "f", options, progress, &report);
-  ASSERT_TRUE(report.options.shape && report.options.iterations && report.options.order);
-  EXPECT_GT(*report.options.shape, 0);
+  ASSERT_TRUE(report.options.epsilon && report.options.iterations && report.options.order);
+  EXPECT_GT(*report.options.epsilon, 0);
 }
 
 TEST(MlsField, AnswersDependOnThePointAlone) {
@@ -194,7 +197,7 @@ TEST(MlsField, AnswersDependOnThePointAlone) {
     const auto x = places_within(*volume, 1000);
     const auto all = [&] {
       std::vector<double> values(x.size());
-      field_of(volume, method)->evaluate(x, {values, {}, {}, {}});
+      field_of(volume, method)->evaluate(x, {values});
       return values;
     };
     expect_equal_for_any_threads(all);
@@ -202,7 +205,7 @@ TEST(MlsField, AnswersDependOnThePointAlone) {
     const auto field = field_of(volume, method);
     for (std::size_t i = 0; i < x.size(); i += 50) {
       std::vector<double> alone(1);
-      field->evaluate(std::span(x).subspan(i, 1), {alone, {}, {}, {}});
+      field->evaluate(std::span(x).subspan(i, 1), {alone});
       ASSERT_EQ(together[i], alone[0]) << i;
     }
   }

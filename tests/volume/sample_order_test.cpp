@@ -73,7 +73,7 @@ struct Probed {
 
 Probed probe(const GridData& data, Association a, const std::string& method, const std::vector<Vec3>& x) {
   Probed p{std::vector<double>(x.size()), std::vector<Vec3>(x.size()), std::vector<std::uint8_t>(x.size())};
-  field_of(volume_of(data, a), method)->evaluate(x, {p.values, p.gradients, p.inside, {}});
+  field_of(volume_of(data, a), method)->evaluate(x, {p.values, p.gradients, p.inside});
   return p;
 }
 

@@ -69,7 +69,7 @@ struct Errors {
 };
 inline Errors errors_of(const VolumeField& field, const std::vector<Vec3>& x, const VolumeFunction& f) {
   std::vector<double> values(x.size());
-  field.evaluate(x, {values, {}, {}, {}});
+  field.evaluate(x, {values});
   Errors errors;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double e = std::abs(values[i] - f(x[i]));
@@ -96,7 +96,7 @@ inline std::shared_ptr<const SampledVolume> with_values_at_samples(SampledVolume
 inline std::size_t wrong_gradients(const VolumeField& field, const std::vector<Vec3>& x) {
   std::vector<double> unused(x.size());
   std::vector<Vec3> gradients(x.size());
-  field.evaluate(x, {unused, gradients, {}, {}});
+  field.evaluate(x, {unused, gradients});
   const double h = 1e-3;
   std::vector<Vec3> around;
   for (const Vec3& p : x)
@@ -105,7 +105,7 @@ inline std::size_t wrong_gradients(const VolumeField& field, const std::vector<V
       around.back()[k / 2] += k % 2 == 0 ? h : -h;
     }
   std::vector<double> values(around.size());
-  field.evaluate(around, {values, {}, {}, {}});
+  field.evaluate(around, {values});
   std::size_t wrong = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {
     const double* v = values.data() + 6 * i;

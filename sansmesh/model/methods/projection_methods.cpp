@@ -15,7 +15,7 @@ ProjectionOptions projection_options(const SurfaceOptions& options) {
   ProjectionOptions o;
   o.method = projection_method(options.method);
   o.smoothing = options.smoothing, o.bandwidth = options.bandwidth, o.weights = options.weights;
-  o.plane = options.plane, o.polynomial = options.polynomial;
+  o.plane = options.reference_plane, o.polynomial = options.polynomial;
   o.flow = options.flow, o.diffusion = options.diffusion;
   o.threshold = options.diffusion_threshold.value_or(o.threshold), o.tau = options.tau.value_or(o.tau);
   o.separate_sheets = options.separate_sheets;
@@ -55,7 +55,7 @@ SurfaceParts make_projection(PreparedCloud& cloud, const SurfaceOptions& options
   return parts;
 }
 
-constexpr std::string_view kOfLeastPlanes[] = {"smoothing",  "bandwidth",       "weights", "plane",
+constexpr std::string_view kOfLeastPlanes[] = {"smoothing",  "bandwidth",       "weights", "reference_plane",
                                                "polynomial", "separate_sheets", "sharp"};
 constexpr std::string_view kOfPolynomials[] = {"smoothing",  "bandwidth",       "weights",
                                                "polynomial", "separate_sheets", "sharp"};

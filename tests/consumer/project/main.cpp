@@ -1,12 +1,10 @@
 // A project outside sansmesh, with only what find_package(sansmesh) gives: reconstructs a ball, probes a volume and
 // traces a flow.
+#include <sansmesh/flow.h>
 #include <sansmesh/io.h>
-#include <sansmesh/jobs/flow_lines.h>
-#include <sansmesh/jobs/flow_model.h>
-#include <sansmesh/jobs/probe_volume.h>
-#include <sansmesh/jobs/volume_model.h>
 #include <sansmesh/reconstruct.h>
 #include <sansmesh/version.h>
+#include <sansmesh/volumes.h>
 
 #include <cmath>
 #include <cstdio>

@@ -6,23 +6,22 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/api.h"
+#include "sansmesh/flow.h"
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/flow_model.h"
-#include "sansmesh/jobs/flow_surface.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/render/flow_texture.h"
-#include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render_options.h"
 #include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 
-struct FlowPictureOptions {
-  TraceSurfaceOptions trace = {};
+/// Pictures of surfaces of a flow, with streaks that run along it.
+struct SANSMESH_API FlowPictureOptions {
+  TraceSurfaceOptions trace = {};  ///< the surface
 
-  bool smooth = false;                ///< without streaks
+  bool textured = true;               ///< with streaks along the flow
   FlowTextureOptions streaks = {};    ///< its `phase` follows from the frame
   bool splats = false;                ///< particles as discs that blend, not the mesh
   double opacity = 1;                 ///< of the surface where it is seen at right angles, 0..1
@@ -31,9 +30,9 @@ struct FlowPictureOptions {
   std::optional<int> frames = {};     ///< so many, in which the streaks move with the flow; default: one picture
   double turn = 0;                    ///< degrees that the view goes around in them, −3600..3600
 
-  std::string volume = {};            ///< array of a steady volume that is seen through around it
-  std::string volume_preset = {};     ///< its colours and opacities
-  double volume_opacity = 1;          ///< multiplies its opacity
+  std::string volume_array = {};      ///< array of a steady volume that is seen through around it
+  std::string preset = {};            ///< its colours and opacities
+  double opacity_factor = 1;          ///< multiplies its opacity
   std::vector<IsoSurface> isos = {};  ///< of that array, else of the speed
 
   bool bar = true;             ///< colour bars
@@ -47,21 +46,24 @@ struct FlowPictureOptions {
   static const OptionSchema& schema();
   /// Throws ArgumentError for bad options, and for such as mean nothing together.
   void validate() const;
-  bool in_volume() const { return !volume.empty() || !isos.empty(); }
+  /// Whether a volume is seen through around the surface.
+  bool in_volume() const { return !volume_array.empty() || !isos.empty(); }
 };
 
+/// Outcome of flow_pictures().
 struct FlowPicturesResult {
-  FlowSurfaceReport surface;
+  FlowSurfaceReport surface;  ///< of the surface itself
   int width = 0, height = 0;  ///< of each picture
   std::vector<Note> notes;    ///< those of trace_surface; "reconstruction"
 };
 
 /// Throws ArgumentError for what the flow has not, before long work.
-void check_colors(const FlowModel& flow, const FlowPictureOptions& options);
+SANSMESH_API void check_colors(const FlowModel& flow, const FlowPictureOptions& options);
 
-/// `beside`: what stands in the same picture. Throws ArgumentError for bad options, DataError that begins with the
-/// flow's source; Cancelled.
-FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
-                                 std::vector<PictureSurface> beside, const UsePicture& use, Progress& progress);
+/// A picture, or frames of one, each handed over as it is made. `beside`: what stands in the same picture. Throws
+/// ArgumentError for bad options, DataError that begins with the flow's source; Cancelled.
+SANSMESH_API FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
+                                              std::vector<PictureSurface> beside, const UsePicture& use,
+                                              Progress& progress);
 
 }  // namespace sansmesh::inline v1

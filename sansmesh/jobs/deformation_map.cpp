@@ -1,7 +1,8 @@
-#include "sansmesh/jobs/deform.h"
-
+// A deformation as a map of displacements.
 #include <utility>
 
+#include "sansmesh/deform.h"
+#include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/map_stretch.h"
 #include "sansmesh/jobs/deform_parts.h"
@@ -35,12 +36,12 @@ DeformationMapResult deformation_map(const Deformation& deformation, const Box3&
   const Box3 box = options.box ? *options.box : with_name(name, [&] {
     return with_room(box_before(*maps.backward, before, deformation.box_of(maps, before)), kMapMargin);
   });
-  DisplacementMap map =
+  const DisplacementMap map =
       displacement_map(*maps.backward, box,
                        lattice_sizes(box, static_cast<std::size_t>(options.nodes.value_or(kUsualMapNodes))), progress);
   FoldWatch folds;
   folds.look(*maps.backward, box, progress);
-  DeformationMapResult result{std::move(map), folds.worst(), {}};
+  DeformationMapResult result{displacement_block(map), folds.worst(), {}};
   folds.add_note(name, result.notes);
   return result;
 }

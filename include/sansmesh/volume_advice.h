@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/volume/choose_reconstruction.h"
-#include "sansmesh/volume/volume_traits.h"
+#include "sansmesh/api.h"
+#include "sansmesh/reconstruction_options.h"
 
 namespace sansmesh::inline v1 {
 
@@ -21,16 +21,19 @@ struct VolumeOffer {
   ReconstructionChoice suited;  ///< likewise
 };
 
+/// Something to make of it.
 struct VolumeRecommendation {
-  enum class Aim { values, grid, surface, border, picture, lines, flow_surface, flow_picture, deformation, forces } aim;
+  /// Values at points, a uniform grid, a surface, …
+  enum class Aim { values, grid, surface, border, picture, lines, flow_surface, flow_picture, deformation, forces };
+  Aim aim;                  ///< what to make
   std::string why;          ///< one sentence without an end
   bool by_samples = false;  ///< of a surface: from the samples by moving least squares, not from the reconstruction
 };
 
 /// What is asked for most first; never empty where there are values or a body.
-std::vector<VolumeRecommendation> advise_volume(const VolumeOffer& offer);
+SANSMESH_API std::vector<VolumeRecommendation> advise_volume(const VolumeOffer& offer);
 
 /// values, grid, surface, border, …
-const char* aim_word(VolumeRecommendation::Aim aim);
+SANSMESH_API const char* aim_word(VolumeRecommendation::Aim aim);
 
 }  // namespace sansmesh::inline v1

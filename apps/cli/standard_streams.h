@@ -1,0 +1,21 @@
+// The word `-` in place of a file: standard input or output.
+#pragma once
+
+#include <string>
+
+#include "command_line.h"
+
+namespace sansmesh::cli {
+
+/// Whether the option names a file to write.
+bool writes_file(const OptionEntry& option);
+
+/// Gives `-` and `-.ENDING`, where the command line has them for files, the names by which readers and writers know
+/// standard input and output. Without an ending, output has the first format that the option takes, and the content of
+/// input says what it is, unless the option takes one format only. Throws UsageError where one of both is named twice.
+void name_standard_streams(CommandLine& command);
+
+/// Throws ArgumentError if the file is standard output, which holds no more than one.
+void check_holds_several(const std::string& file);
+
+}  // namespace sansmesh::cli

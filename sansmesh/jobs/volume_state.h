@@ -1,0 +1,44 @@
+// The hidden half of a VolumeModel, for jobs.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sansmesh/dataset/volume_dataset.h"
+#include "sansmesh/volumes.h"
+
+namespace sansmesh::inline v1 {
+
+struct VolumeModel::State {
+  struct Made {
+    ArrayChoice choice;
+    std::shared_ptr<const VolumeField> field;
+    std::vector<std::string> notes;
+  };
+
+  std::shared_ptr<VolumeDataset> dataset;
+  std::string name;
+  VolumeModelOptions options;
+  ArrayChoice choice;
+  std::shared_ptr<const SampledVolume> samples;
+  std::optional<VolumeTraits> traits;
+  ReconstructionChoice suited;
+  ReconstructionReport report;
+  bool reported = false;
+  std::vector<Made> made;
+
+  /// `report` is that of the first field.
+  void keep_report(const ReconstructionReport& of, const ReconstructionOptions& asked);
+};
+
+/// Throws as the constructors of VolumeModel.
+VolumeModel model_of(VolumeDataset dataset, std::string name, const VolumeModelOptions& options = {});
+
+inline VolumeDataset& dataset_of(const VolumeModel& volume) { return *volume.state().dataset; }
+
+/// What was given; the method of a fitted volume, or the one that suits the data, where none was.
+ReconstructionOptions options_for(const VolumeModel& volume, const std::string& array, Progress& progress);
+
+}  // namespace sansmesh::inline v1
