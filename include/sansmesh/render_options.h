@@ -227,6 +227,7 @@ struct CastCounts {
 /// normals, else balls. Vertices that are not finite are left out. The picture does not depend on the number of
 /// threads. Throws DataError where there is nothing to see, ArgumentError for bad options.
 SANSMESH_API Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options, Progress& progress);
+/// The same without a word of its progress.
 SANSMESH_API Image render_mesh(const TriangleMesh& mesh, const RenderOptions& options = {});
 
 /// Takes a picture as it is made, from frame 0 on; `made_with` are its options.

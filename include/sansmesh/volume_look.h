@@ -65,6 +65,7 @@ SANSMESH_API std::span<const std::string_view> transfer_function_presets();
 /// JSON of ours (docs/formats/transfer-function.md) or ParaView's colour maps (a list of objects with RGBPoints, of
 /// which the first is taken). `file` is named in errors. Throws FileError.
 SANSMESH_API TransferFunction parse_transfer_function(std::string_view json, const std::string& file);
+/// The same of a file.
 SANSMESH_API TransferFunction read_transfer_function(const std::string& file);
 /// JSON of ours: what parse_transfer_function reads back the same.
 SANSMESH_API std::string transfer_function_json(const TransferFunction& function);
