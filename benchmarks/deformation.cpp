@@ -29,7 +29,7 @@
 #include "sansmesh/mesh/deformed_mesh.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/render/mesh_picture.h"
+#include "sansmesh/render_options.h"
 
 namespace {
 

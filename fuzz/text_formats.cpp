@@ -20,9 +20,8 @@
 #include "sansmesh/io/volume_readers.h"
 #include "sansmesh/points/point_classes.h"
 #include "sansmesh/render/color_words.h"
-#include "sansmesh/render/transfer_json.h"
-#include "sansmesh/render/volume_options.h"
 #include "sansmesh/solid_measures.h"
+#include "sansmesh/volume_look.h"
 #include "target.h"
 
 using namespace sansmesh;

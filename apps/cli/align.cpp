@@ -13,8 +13,8 @@
 #include "option_groups.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/transform_file.h"
-#include "sansmesh/jobs/align_picture.h"
 #include "sansmesh/jobs/cloud_or_mesh.h"
+#include "sansmesh/pictures.h"
 #include "schema_options.h"
 #include "surface_input.h"
 

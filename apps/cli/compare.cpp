@@ -1,7 +1,7 @@
 // sansmesh compare: the inspection map, how far every place of a part lies from where it should.
 #include "sansmesh/inspect.h"
 #include "sansmesh/jobs/cloud_or_mesh.h"
-#include "sansmesh/jobs/compare_picture.h"
+#include "sansmesh/pictures.h"
 
 #include <fmt/core.h>
 

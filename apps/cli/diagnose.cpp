@@ -1,5 +1,5 @@
 // sansmesh diagnose: where a function should not be trusted without a look.
-#include "sansmesh/jobs/diagnose.h"
+#include "sansmesh/pictures.h"
 
 #include <fmt/core.h>
 
@@ -13,6 +13,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function_edits.h"
+#include "sansmesh/functions.h"
 #include "sansmesh/io.h"
 #include "schema_options.h"
 

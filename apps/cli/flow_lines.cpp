@@ -12,7 +12,7 @@
 #include "flow_input.h"
 #include "option_groups.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/line_picture.h"
+#include "sansmesh/pictures.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

@@ -9,9 +9,9 @@
 #include "flow_surface_input.h"
 #include "option_groups.h"
 #include "picture_contents.h"
+#include "sansmesh/flow_pictures.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/jobs/flow_pictures.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

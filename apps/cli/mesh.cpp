@@ -1,6 +1,7 @@
 // sansmesh mesh: function file in, mesh out.
 #include <fmt/core.h>
 
+#include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/functions.h"

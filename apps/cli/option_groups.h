@@ -13,7 +13,7 @@
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/points/orient_words.h"
 #include "sansmesh/points/prepare_cloud.h"
-#include "sansmesh/render/mesh_picture.h"
+#include "sansmesh/render_options.h"
 #include "sansmesh/surface/curvature_words.h"
 
 namespace sansmesh::cli {

@@ -8,6 +8,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/render/surface_caster.h"
+#include "sansmesh/surface_function.h"
 
 namespace sansmesh::cli {
 

@@ -5,8 +5,7 @@
 
 #include "command_line.h"
 #include "sansmesh/image.h"
-#include "sansmesh/render/render_options.h"
-#include "sansmesh/render/view_options.h"
+#include "sansmesh/render_options.h"
 
 namespace sansmesh::cli {
 

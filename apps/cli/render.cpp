@@ -1,5 +1,5 @@
 // sansmesh render: a picture of a mesh, a cloud or a function.
-#include "sansmesh/jobs/render.h"
+#include "sansmesh/pictures.h"
 
 #include <fmt/core.h>
 

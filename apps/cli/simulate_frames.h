@@ -8,7 +8,7 @@
 #include "console.h"
 #include "option_groups.h"
 #include "sansmesh/io/animation.h"
-#include "sansmesh/jobs/motion_pictures.h"
+#include "sansmesh/motion_pictures.h"
 #include "sansmesh/simulate.h"
 #include "volume_colors.h"
 #include "volume_input.h"

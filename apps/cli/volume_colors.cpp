@@ -1,6 +1,6 @@
 #include "volume_colors.h"
 
-#include "sansmesh/render/transfer_json.h"
+#include "sansmesh/volume_look.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

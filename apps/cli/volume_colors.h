@@ -5,7 +5,7 @@
 #include <string>
 
 #include "command_line.h"
-#include "sansmesh/render/volume_options.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::cli {
 

@@ -1,5 +1,6 @@
 // sansmesh volume surface: isosurfaces and surfaces of high gradient straight from the samples of a volume.
 #include "sansmesh/isosurfaces.h"
+#include "sansmesh/volumes.h"
 
 #include <fmt/core.h>
 
@@ -14,7 +15,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/jobs/surface_in_volume_pictures.h"
+#include "sansmesh/volume_pictures.h"
 #include "schema_options.h"
 #include "volume_input.h"
 
@@ -150,7 +151,8 @@ void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
   VolumeModel volume = a.input.open(console);
   Progress& progress = console.progress();
   if (!a.look.color_by.empty() && !a.look.curvature()) volume.scalar_choice(a.look.color_by, "color_by");
-  const SurfaceInVolume surface = surface_in_volume(volume, a.options, progress);
+  const auto made = std::make_shared<const SurfaceInVolume>(surface_in_volume(volume, a.options, progress));
+  const SurfaceInVolume& surface = *made;
   Json json = {{"input", json_of_volume(a.input, volume, progress)}};
   say_surface(a, surface, volume, console, json);
   std::optional<PointSet> points;

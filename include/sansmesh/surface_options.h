@@ -220,4 +220,13 @@ struct SurfaceProjection {
   double largest_move = 0;    ///< distance, largest
 };
 
+/// A surface that was made of samples.
+struct SurfaceReport {
+  std::string method;             ///< by name
+  double spacing = 0, noise = 0;  ///< of the samples (length, unit of the input)
+  double smoothing = 0;           ///< median width over the local spacing; 0 where the method has no weights
+  int order = 0, iterations = 0;  ///< amls
+  std::size_t samples = 0;        ///< that it was made of
+};
+
 }  // namespace sansmesh::inline v1

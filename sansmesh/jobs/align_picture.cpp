@@ -1,7 +1,8 @@
-#include "sansmesh/jobs/align_picture.h"
+#include "sansmesh/pictures.h"
 
 #include <vector>
 
+#include "sansmesh/inspect.h"
 #include "sansmesh/render/picture_surfaces.h"
 
 namespace sansmesh::inline v1 {

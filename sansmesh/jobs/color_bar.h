@@ -11,10 +11,10 @@
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/image.h"
 #include "sansmesh/render/picture_notes.h"
-#include "sansmesh/render/render_options.h"
-#include "sansmesh/render/transfer_function.h"
+#include "sansmesh/render_options.h"
 #include "sansmesh/surface/curvature_words.h"
 #include "sansmesh/triangle_mesh.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 

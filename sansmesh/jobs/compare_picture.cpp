@@ -1,8 +1,8 @@
-#include "sansmesh/jobs/compare_picture.h"
 #include "sansmesh/image.h"
 #include "sansmesh/inspect.h"
 #include "sansmesh/measure/distance_map.h"
 #include "sansmesh/partition/paper_options.h"
+#include "sansmesh/pictures.h"
 
 #include <fmt/core.h>
 
@@ -10,8 +10,8 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/picture_notes.h"
+#include "sansmesh/render_options.h"
 
 namespace sansmesh::inline v1 {
 namespace {

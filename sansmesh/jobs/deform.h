@@ -21,12 +21,12 @@
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/render/volume_options.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/solid_measures.h"
 #include "sansmesh/solids.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/volume_field.h"
+#include "sansmesh/volume_look.h"
 #include "sansmesh/volume_options.h"
 #include "sansmesh/volumes.h"
 

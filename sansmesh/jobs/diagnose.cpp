@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/diagnose.h"
+#include "sansmesh/pictures.h"
 
 #include <fmt/core.h>
 
@@ -7,6 +7,8 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
+#include "sansmesh/function/diagnose_function.h"
+#include "sansmesh/functions.h"
 #include "sansmesh/jobs/place_pictures.h"
 
 namespace sansmesh::inline v1 {

@@ -9,11 +9,11 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/line_picture.h"
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/tubes.h"
+#include "sansmesh/pictures.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/render/color_space.h"
@@ -165,7 +165,7 @@ void draw_objects(std::vector<PictureObject> objects, const PictureOptions& o, c
   check_kinds(scene.kinds, o);
   RenderOptions picture = o.look.picture;
   picture.view.steady = o.frames.has_value();
-  picture.look.curvature = scene.curvature.get();
+  picture.look.curvature = std::move(scene.curvature);
   // Lines alone do not have the colours of the list.
   const bool listed = scene.legend.size() > 1 && o.legend && picture.look.lines != PictureLook::Lines::only;
   const int beside = listed ? legend_width(picture.view.height, scene.legend) : 0;

@@ -4,9 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/jobs/picture_options.h"
-#include "sansmesh/jobs/picture_report.h"
 #include "sansmesh/note.h"
+#include "sansmesh/pictures.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 

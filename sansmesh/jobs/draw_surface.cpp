@@ -5,10 +5,12 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
 #include "sansmesh/jobs/splat_points.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/model/sample_surface.h"
+#include "sansmesh/model/surface_model.h"
 #include "sansmesh/points/sample_confidence.h"
 #include "sansmesh/render/surface_picture.h"
 #include "sansmesh/surface/curvature_words.h"
@@ -109,18 +111,18 @@ void paint_all(const PictureOptions& o, const SurfaceModel& model, std::optional
   if (!o.bar) bar.reset();
   leave_room(look.picture, bar);
   const ColorField* const colors = own ? own.get() : look.picture.look.use_colors ? model.colors() : nullptr;
-  std::unique_ptr<CurvatureField> bends;
   if (wants_curvature(look.picture))
-    bends =
+    look.picture.look.curvature =
         crests == CrestsFrom::samples ? curvature_at_samples(model, progress) : curvature_of_surface(model, progress);
-  look.picture.look.curvature = bends.get();
   const SurfacePainter painter(o, model, colors, look, progress);
   look.picture.view.steady = o.frames.has_value();
+  RenderOptions made_with = look.picture;
+  made_with.look.curvature = nullptr;  // ends with the model
   std::size_t number = 0;
   for (const ViewDirection& view : turntable(look.picture.view.direction, o.frames.value_or(1))) {
-    look.picture.view.direction = view;
+    look.picture.view.direction = made_with.view.direction = view;
     const Image image = painter.paint(look, progress);
-    use(number++, beside_bar(image, bar, look.picture), look.picture);
+    use(number++, beside_bar(image, bar, look.picture), made_with);
   }
   painter.report(report);
 }

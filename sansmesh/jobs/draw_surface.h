@@ -3,8 +3,7 @@
 
 #include <cstdint>
 
-#include "sansmesh/jobs/picture_options.h"
-#include "sansmesh/jobs/picture_report.h"
+#include "sansmesh/pictures.h"
 #include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/flow_pictures.h"
+#include "sansmesh/flow_pictures.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,9 @@
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/arrows.h"
+#include "sansmesh/render/flow_texture.h"
 #include "sansmesh/render/picture_notes.h"
+#include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/volume_picture.h"
 
@@ -291,7 +293,8 @@ const OptionSchema& FlowPictureOptions::schema() {
 
 void FlowPictureOptions::validate() const {
   trace.validate();
-  validate_options(*this);
+  static const FlowPictureOptions usual{};  // g++ 12 takes a local one for uninitialized
+  validate_options(schema(), this, &usual);
   picture.validate();
   if (const auto known = transfer_function_presets();
       !preset.empty() && std::find(known.begin(), known.end(), preset) == known.end())

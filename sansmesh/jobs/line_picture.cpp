@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/line_picture.h"
+#include "sansmesh/pictures.h"
 
 #include <fmt/core.h>
 #include <fmt/format.h>
@@ -16,10 +16,10 @@
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/mesh/mesh_size.h"
 #include "sansmesh/mesh/tubes.h"
-#include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/value_histogram.h"
+#include "sansmesh/render_options.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {

@@ -1,7 +1,8 @@
-#include "sansmesh/jobs/motion_pictures.h"
+#include "sansmesh/motion_pictures.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "sansmesh/field/deformed_volume.h"
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/volume_picture.h"
+#include "sansmesh/simulate.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -94,81 +96,105 @@ bool reaches_beyond(const Box3& body, const Box3& volume) {
 
 }  // namespace
 
+struct MotionPictures::State {
+  std::shared_ptr<const TetMesh> rest;
+  std::shared_ptr<const CarriedSurface> surface;
+  std::optional<CarriedVolume> volume;
+  RenderOptions options;
+  std::vector<Note> notes;
+  Motion motion;
+  std::vector<Vec3> framed;
+  std::vector<TriangleMesh> obstacles;
+  TriangleMesh boundary;  ///< of the volume in the frame that is drawn
+  std::vector<std::uint32_t> sources;
+};
+
 MotionPictures::MotionPictures(std::shared_ptr<const TetMesh> rest, std::shared_ptr<const CarriedSurface> surface,
                                std::optional<CarriedVolume> volume, const RenderOptions& options)
-    : rest_(std::move(rest)), surface_(std::move(surface)), volume_(std::move(volume)), options_(options) {
-  options_.validate();
-  if (!volume_) return;
-  volume_->look.picture = options_;
-  volume_->look.validate();
-  boundary_ = boundary_mesh(*rest_, rest_->vertices, &sources_);
-  if (reaches_beyond(bounds(*rest_), volume_->field->bounds()))
-    notes_.push_back({.code = "volume_ends",
-                      .text = "does not reach everywhere in the tetrahedra: its values go on beyond it",
-                      .remedy = {}});
+    : state_(std::make_unique<State>()) {
+  options.validate();
+  State& s = *state_;
+  s.rest = std::move(rest), s.surface = std::move(surface), s.volume = std::move(volume), s.options = options;
+  if (!s.volume) return;
+  s.volume->look.picture = options;
+  s.volume->look.validate();
+  s.boundary = boundary_mesh(*s.rest, s.rest->vertices, &s.sources);
+  if (reaches_beyond(bounds(*s.rest), s.volume->field->bounds()))
+    s.notes.push_back({.code = "volume_ends",
+                       .text = "does not reach everywhere in the tetrahedra: its values go on beyond it",
+                       .remedy = {}});
 }
 
+MotionPictures::~MotionPictures() = default;
+MotionPictures::MotionPictures(MotionPictures&&) noexcept = default;
+MotionPictures& MotionPictures::operator=(MotionPictures&&) noexcept = default;
+
+const std::vector<Note>& MotionPictures::notes() const { return state_->notes; }
+
 void MotionPictures::show(Motion motion, const DynamicsScene& scene) {
-  motion_ = std::move(motion);
+  State& s = *state_;
+  s.motion = std::move(motion);
   FarthestPoints farthest;
   Box3 box;
-  for (std::size_t frame = 0; frame < motion_.frames(); ++frame) {
-    if (surface_) {
-      const TriangleMesh m = surface_->at(motion_, frame);
+  for (std::size_t frame = 0; frame < s.motion.frames(); ++frame) {
+    if (s.surface) {
+      const TriangleMesh m = s.surface->at(s.motion, frame);
       for (const Vec3f& p : m.vertices) farthest.add(m.origin + Vec3(p));
     } else {
-      for (const Vec3& p : motion_.positions(frame)) farthest.add(p);
+      for (const Vec3& p : s.motion.positions(frame)) farthest.add(p);
     }
   }
   for (const Vec3& p : farthest.points()) box.extend(p);
-  for (const SphereObstacle& s : scene.spheres) {
-    obstacles_.push_back(ball_mesh(s.center, s.radius));
-    color_obstacle(obstacles_.back(), kSphereColor);
+  for (const SphereObstacle& sphere : scene.spheres) {
+    s.obstacles.push_back(ball_mesh(sphere.center, sphere.radius));
+    color_obstacle(s.obstacles.back(), kSphereColor);
     // Spheres larger than the motion frame nothing.
-    if (2 * s.radius < box.diagonal())
+    if (2 * sphere.radius < box.diagonal())
       for (int k = 0; k < 6; ++k) {
         Vec3 d{};
-        d[static_cast<std::size_t>(k / 2)] = k % 2 ? s.radius : -s.radius;
-        farthest.add(s.center + d);
+        d[static_cast<std::size_t>(k / 2)] = k % 2 ? sphere.radius : -sphere.radius;
+        farthest.add(sphere.center + d);
       }
   }
   for (const FloorObstacle& f : scene.floors) {
-    obstacles_.push_back(floor_mesh(f, box));
-    color_obstacle(obstacles_.back(), kFloorColor);
+    s.obstacles.push_back(floor_mesh(f, box));
+    color_obstacle(s.obstacles.back(), kFloorColor);
   }
-  framed_ = farthest.points();
+  s.framed = farthest.points();
   if (scene.floors.empty()) return;
-  options_.look.ground = false;
-  if (volume_) volume_->look.picture.look.ground = false;
+  s.options.look.ground = false;
+  if (s.volume) s.volume->look.picture.look.ground = false;
 }
 
 Image MotionPictures::draw(std::size_t frame, Progress& progress) {
+  State& s = *state_;
   std::vector<PictureSurface> surfaces;
-  RenderOptions colored = options_;
+  RenderOptions colored = s.options;
   colored.look.use_colors = true;
   colored.look.wireframe = PictureLook::Wireframe::none;
-  surfaces.reserve(obstacles_.size() + 1);
-  for (const TriangleMesh& m : obstacles_) surfaces.push_back(surface_in_picture(m, colored));
-  if (surface_) surfaces.push_back(surface_in_picture(surface_->at(motion_, frame), options_));
-  if (!volume_) return render_surfaces(surfaces, framed_, false, options_, progress);
-  const std::vector<Vec3> x = motion_.positions(frame);
+  surfaces.reserve(s.obstacles.size() + 1);
+  for (const TriangleMesh& m : s.obstacles) surfaces.push_back(surface_in_picture(m, colored));
+  if (s.surface) surfaces.push_back(surface_in_picture(s.surface->at(s.motion, frame), s.options));
+  if (!s.volume) return render_surfaces(surfaces, s.framed, false, s.options, progress);
+  const std::vector<Vec3> x = s.motion.positions(frame);
   Box3 box;
   for (const Vec3& p : x) box.extend(p);
-  boundary_.origin = motion_.origin();
-  for (std::size_t k = 0; k < sources_.size(); ++k) boundary_.vertices[k] = Vec3f(x[sources_[k]] - boundary_.origin);
-  const DeformedVolume field(volume_->field, std::make_shared<TetMap>(rest_->tets, x, rest_->vertices), box, box);
+  s.boundary.origin = s.motion.origin();
+  for (std::size_t k = 0; k < s.sources.size(); ++k)
+    s.boundary.vertices[k] = Vec3f(x[s.sources[k]] - s.boundary.origin);
+  const DeformedVolume field(s.volume->field, std::make_shared<TetMap>(s.rest->tets, x, s.rest->vertices), box, box);
   VolumeSubject subject;
   subject.field = &field;
-  subject.boundary = &boundary_;
+  subject.boundary = &s.boundary;
   subject.surfaces = std::move(surfaces);
   subject.places = x;
-  subject.framed = framed_;
-  subject.image = volume_->image;
+  subject.framed = s.framed;
+  subject.image = s.volume->image;
   VolumePictureReport report;
-  Image image = render_volume(subject, volume_->look, progress, &report);
+  Image image = render_volume(subject, s.volume->look, progress, &report);
   // The colours of the first frame are those of all.
-  volume_->look.transfer = report.transfer;
-  volume_->look.preset.clear();
+  s.volume->look.transfer = report.transfer;
+  s.volume->look.preset.clear();
   return image;
 }
 

@@ -3,9 +3,13 @@
 
 #include <vector>
 
-#include "sansmesh/jobs/picture_options.h"
+#include "sansmesh/pictures.h"
 
 namespace sansmesh::inline v1 {
+
+/// The attribute, and what `color_by` calls it.
+inline constexpr const char* kConfidence = "confidence";
+inline constexpr const char *kAutoColor = "auto", *kOwnColor = "own";
 
 /// The one object is a surface without a mesh.
 bool is_meshless(const std::vector<PictureObject>& objects, const PictureOptions& options);

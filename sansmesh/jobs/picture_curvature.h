@@ -12,7 +12,7 @@
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/render/render_options.h"
+#include "sansmesh/render_options.h"
 #include "sansmesh/surface/curvature.h"
 
 namespace sansmesh::inline v1 {

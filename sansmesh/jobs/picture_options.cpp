@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/picture_options.h"
+#include "sansmesh/pictures.h"
 
 #include <fmt/core.h>
 
@@ -6,6 +6,8 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/given_options.h"
+#include "sansmesh/jobs/picture_checks.h"
+#include "sansmesh/model/surface_method.h"
 #include "sansmesh/render/color_words.h"
 
 namespace sansmesh::inline v1 {

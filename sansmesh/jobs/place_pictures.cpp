@@ -9,9 +9,9 @@
 #include "sansmesh/core/boxes.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/render/camera.h"
-#include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/painter.h"
 #include "sansmesh/render/stroke_text.h"
+#include "sansmesh/render_options.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -8,7 +8,7 @@
 #include "sansmesh/image.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/ray_scene.h"
-#include "sansmesh/render/render_options.h"
+#include "sansmesh/render_options.h"
 
 namespace sansmesh::inline v1 {
 

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/render.h"
+#include "sansmesh/pictures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,9 +13,10 @@
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
 #include "sansmesh/jobs/with_name.h"
+#include "sansmesh/model/surface_model.h"
 #include "sansmesh/points/sample_confidence.h"
 #include "sansmesh/render/color_words.h"
-#include "sansmesh/render/mesh_picture.h"
+#include "sansmesh/render_options.h"
 #include "sansmesh/surface/curvature_words.h"
 
 namespace sansmesh::inline v1 {
@@ -92,8 +93,7 @@ void draw_mesh(PictureObject object, const PictureOptions& o, const UsePicture& 
   with_name(object.name, [&] {
     if (o.cloud.remove_outliers) leave_out_outliers(points, object.name, result.notes, progress);
     RenderOptions picture = o.look.picture;
-    const auto curvature = wants_curvature(picture) ? curvature_of_samples(points, o.cloud, progress) : nullptr;
-    picture.look.curvature = curvature.get();
+    if (wants_curvature(picture)) picture.look.curvature = curvature_of_samples(points, o.cloud, progress);
     TriangleMesh mesh = to_mesh(std::move(points));
     std::optional<ColorBar> bar = color_mesh(mesh, o, picture);
     if (!o.bar) bar.reset();

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/surface_in_volume_pictures.h"
+#include "sansmesh/volume_pictures.h"
 
 #include <algorithm>
 #include <span>
@@ -6,10 +6,16 @@
 
 #include "sansmesh/dataset/volume_surface.h"
 #include "sansmesh/error.h"
+#include "sansmesh/isosurfaces.h"
 #include "sansmesh/jobs/with_name.h"
+#include "sansmesh/render/picture_notes.h"
+#include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render/surface_picture.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/surface/bilateral_normals.h"
+#include "sansmesh/surface/curvature_colors.h"
 #include "sansmesh/surface/curvature_words.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -71,10 +77,10 @@ const OptionSchema& SurfaceInVolumeLook::schema() {
   return schema;
 }
 
-std::optional<CurvatureColorOptions::Quantity> SurfaceInVolumeLook::curvature() const {
+std::optional<CurvatureQuantity> SurfaceInVolumeLook::curvature() const {
   const auto* const word = std::find(std::begin(kCurvatureWords), std::end(kCurvatureWords), color_by);
   if (word == std::end(kCurvatureWords)) return std::nullopt;
-  return static_cast<CurvatureColorOptions::Quantity>(word - std::begin(kCurvatureWords));
+  return static_cast<CurvatureQuantity>(word - std::begin(kCurvatureWords));
 }
 
 void SurfaceInVolumeLook::validate() const {
@@ -93,7 +99,7 @@ SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, cons
   if (!look.color_by.empty() || look.sharp) points = of.surface->feet();
   if (const auto quantity = look.curvature()) {
     // Curvatures of the input, a length or an area below the line, in coordinates of the surface.
-    const double unit = *quantity == CurvatureColorOptions::Quantity::gaussian ? place.unit * place.unit : place.unit;
+    const double unit = *quantity == CurvatureQuantity::gaussian ? place.unit * place.unit : place.unit;
     CurvatureColorOptions o;
     o.quantity = *quantity;
     if (look.color_range) o.range = *look.color_range * unit;

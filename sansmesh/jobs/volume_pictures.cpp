@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/volume_pictures.h"
+#include "sansmesh/volume_pictures.h"
 
 #include <algorithm>
 #include <utility>
@@ -8,9 +8,12 @@
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/tubes.h"
+#include "sansmesh/render/baked_volume.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/render/volume_picture.h"
 #include "sansmesh/volume/volume_boundary.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::inline v1 {
 namespace {

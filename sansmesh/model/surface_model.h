@@ -25,14 +25,6 @@
 
 namespace sansmesh::inline v1 {
 
-struct SurfaceReport {
-  std::string method;
-  double spacing = 0, noise = 0;  ///< of the samples (length, unit of the input)
-  double smoothing = 0;           ///< median width over the local spacing; 0 where the method has no weights
-  int order = 0, iterations = 0;  ///< amls
-  std::size_t samples = 0;
-};
-
 class SurfaceModel {
  public:
   ~SurfaceModel();

@@ -9,12 +9,13 @@
 #include "sansmesh/progress.h"
 #include "sansmesh/vec.h"
 #include "sansmesh/volume_field.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 
 struct BakeOptions {
   /// Bricks are split where the error is larger: a share of the range of the values, 1e-6..1.
-  double tolerance = 0.004;
+  double tolerance = kBakeError;
   /// Bytes that nodes may take, 1 MB at least; what is left out then are the bricks of the smallest errors.
   std::size_t memory = std::size_t{128} << 20;
   /// Known to be in the volume or on its boundary, such as its samples; those that are not finite are left out. Bricks
@@ -23,25 +24,6 @@ struct BakeOptions {
   std::span<const Vec3> places = {};
   /// Throws ArgumentError naming the field.
   void validate() const;
-};
-
-/// How near a baked field is to the field that it stands for.
-struct BakeReport {
-  double least = 0, most = 0;  ///< of the values found in the volume
-  /// At those of 20,000 points spread evenly over the box that are in the volume, and where fewer than one in 50 is, as
-  /// many of the places, too; they are others than the points that decided what was split. Shares of the range. The
-  /// largest is that of these points, no bound: between them the field may be farther off.
-  double error_mean = 0, error_most = 0;
-  std::size_t checked = 0;  ///< points that these errors were found at
-  /// Largest at the middles of all cells in the volume, which decided; no bound either.
-  double cell_error_most = 0;
-  std::size_t bricks = 0, bytes = 0;
-  std::uint64_t evaluations = 0;  ///< of the field, so far
-  int levels = 0;                 ///< of bricks
-  /// Nothing is left to split: the tolerance holds, or cells are half the spacing, beyond which nothing is known, or
-  /// as fine as it where splits did not help twice in a row (values that jump), or where only places tell of the
-  /// volume. False: the memory was at its end, or refine() is to go on.
-  bool finished = false;
 };
 
 /// Bricks of 8³ cells with values and gradients at the 9³ nodes, each linear in between in all three directions; the

@@ -12,8 +12,8 @@
 #include "sansmesh/progress.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/ray_scene.h"
-#include "sansmesh/render/render_options.h"
 #include "sansmesh/render/splat_layers.h"
+#include "sansmesh/render_options.h"
 
 namespace sansmesh::inline v1 {
 

@@ -7,32 +7,10 @@
 #include <vector>
 
 #include "sansmesh/box.h"
+#include "sansmesh/render_options.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
-
-/// The axis that points up in the picture. The front looks from +z where y is up and from −y where z is up.
-enum class UpAxis { y, z };
-
-/// A direction to look from, in degrees: azimuth 0 is the front, 90 the right side (from +x); elevation 90 is above.
-struct ViewDirection {
-  double azimuth = 35;
-  double elevation = 20;
-};
-
-/// front, back, left, right, top, bottom or iso. Throws ArgumentError naming the view and the choices.
-ViewDirection named_view(const std::string& name);
-
-/// The direction to look from at a place that `direction` leads away from (of any length but 0), such as the normal of
-/// a surface there.
-ViewDirection view_from(const Vec3& direction, UpAxis up);
-
-/// The direction that looks straight at a box that is a single layer, 50 times as wide and high as thick at least;
-/// nothing of others.
-std::optional<ViewDirection> view_of_layer(const Box3& box, UpAxis up);
-
-/// `frames` views (at least 1) evenly around the up axis, the first of them `view`.
-std::vector<ViewDirection> turntable(const ViewDirection& view, int frames);
 
 /// A place of a picture: x from −1 (left) to 1, y from −1 (bottom) to 1; `depth` is the distance along the camera's
 /// axis.

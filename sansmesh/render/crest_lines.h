@@ -4,7 +4,7 @@
 #include "sansmesh/image.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
-#include "sansmesh/render/render_options.h"
+#include "sansmesh/render_options.h"
 
 namespace sansmesh::inline v1 {
 

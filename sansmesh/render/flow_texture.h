@@ -8,22 +8,10 @@
 #include "sansmesh/option.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
+#include "sansmesh/render_options.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
-
-struct FlowTextureOptions {
-  double streak_length = 40;     ///< pixels, 1..1000 (where the surface is seen at right angles)
-  double streak_width = 1.5;     ///< pixels, 0.5..100
-  double streak_contrast = 0.4;  ///< 0..1
-  /// Waves run along the streaks with the flow, by one wave as this goes from 0 to 1. Default: none.
-  std::optional<double> phase;
-
-  /// Without `phase`.
-  static const OptionSchema& schema();
-  /// Throws ArgumentError naming the field.
-  void validate() const;
-};
 
 /// The texture of one picture: a solid noise around the surface is summed along the flow, for each pixel and each layer
 /// that is seen there. Steps are as long as a pixel is wide, in space; each leads to the pixel that it is seen in, as

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "sansmesh/render/camera.h"
-#include "sansmesh/render/render_options.h"
+#include "sansmesh/render_options.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {

@@ -5,7 +5,7 @@
 #include "sansmesh/progress.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
-#include "sansmesh/render/render_options.h"
+#include "sansmesh/render_options.h"
 
 namespace sansmesh::inline v1 {
 

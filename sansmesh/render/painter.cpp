@@ -15,6 +15,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/field/curvature_field.h"
 #include "sansmesh/image.h"
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/line_drawing.h"

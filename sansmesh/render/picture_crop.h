@@ -2,15 +2,9 @@
 #pragma once
 
 #include "sansmesh/image.h"
-#include "sansmesh/render/render_options.h"
+#include "sansmesh/render_options.h"
 
 namespace sansmesh::inline v1 {
-
-/// Part of a picture in pixels, from its left and its top.
-struct PixelBox {
-  int left = 0, top = 0, width = 0, height = 0;
-  friend bool operator==(const PixelBox&, const PixelBox&) = default;
-};
 
 /// What of a picture is not background, as a picture made with these options has it, with a margin around it as far as
 /// the picture goes. What stands beside the picture (a bar of colours) counts. All of the picture where there is

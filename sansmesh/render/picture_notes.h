@@ -10,8 +10,8 @@
 #include "sansmesh/image.h"
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
-#include "sansmesh/render/render_options.h"
-#include "sansmesh/render/transfer_function.h"
+#include "sansmesh/render_options.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 
@@ -23,11 +23,6 @@ std::string tick_text(double value, double step);
 
 /// Dark on light, light on dark.
 Rgba ink_for(const Image& image);
-
-/// Whether there are values beyond the range of a bar: they get the colours of its ends, which are then pointed.
-struct BarEnds {
-  bool below = false, above = false;
-};
 
 /// The picture with the colours of a transfer function over its range as a bar to its right, ticks and, where there is
 /// a title (what is shown, and its unit), that above; lines across the bar at `marks`, as far as they lie in its range.

@@ -11,6 +11,7 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/render/camera.h"
+#include "sansmesh/render_options.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -103,8 +104,5 @@ class ClippedScene final : public PictureScene {
   const PictureScene& scene_;
   Box3f box_;
 };
-
-/// Makes a surface ready for a picture with this frame and camera (in the frame's coordinates).
-using PictureSurface = std::function<std::unique_ptr<PictureScene>(const PictureFrame& frame, const Camera& camera)>;
 
 }  // namespace sansmesh::inline v1

@@ -13,23 +13,16 @@
 #include "sansmesh/progress.h"
 #include "sansmesh/render/flow_texture.h"
 #include "sansmesh/render/picture_scene.h"
-#include "sansmesh/render/render_options.h"
 #include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render_options.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 
-/// A mesh, or a cloud as discs or balls. The mesh is copied. Throws DataError where there is nothing to draw.
-PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options);
 /// A surface without a mesh, whose coordinates lie at `place` in those of the picture. Caster and colours (which may be
 /// null) must outlive the pictures.
 PictureSurface surface_in_picture(const SurfaceCaster& caster, const Placement& place, const ColorField* colors,
                                   const SurfaceRenderOptions& options);
-
-/// The same with light from behind coming through, sheet after sheet: `opacity` 0..1 is the share that is kept back
-/// where the surface is seen at right angles. `apart`: sheets nearer to each other than this, in the coordinates of the
-/// picture, are one; default: what floats can tell apart.
-PictureSurface translucent(PictureSurface surface, double opacity, double apart = 0);
 
 /// How a surface with a flow along it looks.
 struct FlowLook {

@@ -1,4 +1,4 @@
-#include "sansmesh/render/render_options.h"
+#include "sansmesh/render_options.h"
 
 #include <cmath>
 #include <string>

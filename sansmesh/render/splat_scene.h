@@ -9,7 +9,7 @@
 
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/ray_scene.h"
-#include "sansmesh/render/render_options.h"
+#include "sansmesh/render_options.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {

@@ -10,6 +10,7 @@
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/render/cast_ray.h"
+#include "sansmesh/render_options.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/vec.h"
 
@@ -33,14 +34,6 @@ struct SurfaceCastOptions {
   const NormalField* normals = nullptr;
   /// Throws ArgumentError naming the field.
   void validate() const;
-};
-
-/// How much work was done so far.
-struct CastCounts {
-  std::uint64_t rays = 0, hits = 0;
-  std::uint64_t hit_evaluations = 0;   ///< of the field or projection, for rays that hit
-  std::uint64_t miss_evaluations = 0;  ///< for rays that did not
-  std::uint64_t ball_queries = 0;
 };
 
 /// Built once, then asked from any thread. Both sides of a surface count. The surface exists only inside the balls and

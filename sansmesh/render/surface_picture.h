@@ -7,8 +7,8 @@
 #include "sansmesh/image.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/camera.h"
-#include "sansmesh/render/render_options.h"
 #include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render_options.h"
 
 namespace sansmesh::inline v1 {
 

@@ -9,8 +9,8 @@
 #include "sansmesh/render/lighting.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/ray_scene.h"
-#include "sansmesh/render/render_options.h"
 #include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render_options.h"
 
 namespace sansmesh::inline v1 {
 

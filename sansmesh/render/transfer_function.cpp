@@ -1,4 +1,4 @@
-#include "sansmesh/render/transfer_function.h"
+#include "sansmesh/volume_look.h"
 
 #include <fmt/core.h>
 

@@ -5,13 +5,10 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/render/transfer_function.h"
 #include "sansmesh/render/value_histogram.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
-
-/// Names of transfer_function_preset: "ct-bone", "ct-soft-tissue", "mr", "flow", "diverging", "gray".
-std::span<const std::string_view> transfer_function_presets();
 
 /// A preset for data with these values. Those of CT are given in Hounsfield units; where the values are others, the
 /// peaks of air and of the material next to it are taken for −1000 and 40. The others lie over the range of the data.

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "sansmesh/core/index_in.h"
-#include "sansmesh/render/transfer_function.h"
 #include "sansmesh/vec.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 

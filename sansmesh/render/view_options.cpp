@@ -1,4 +1,4 @@
-#include "sansmesh/render/view_options.h"
+#include "sansmesh/render_options.h"
 
 #include <fmt/core.h>
 
@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/option_text.h"
 #include "sansmesh/error.h"
+#include "sansmesh/render/picture_crop.h"
 
 namespace sansmesh::inline v1 {
 namespace {

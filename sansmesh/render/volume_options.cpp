@@ -1,4 +1,4 @@
-#include "sansmesh/render/volume_options.h"
+#include "sansmesh/volume_look.h"
 
 #include <fmt/core.h>
 

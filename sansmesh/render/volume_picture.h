@@ -13,10 +13,10 @@
 #include "sansmesh/render/camera.h"
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/value_histogram.h"
-#include "sansmesh/render/volume_options.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/volume_field.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 
@@ -40,19 +40,6 @@ struct VolumeSubject {
   const ScalarField* gap = nullptr;
   /// Values may be those of an image (CT, MR): materials are looked for where the transfer function is to be suggested.
   bool image = true;
-};
-
-/// How a picture came to be.
-struct VolumePictureReport {
-  TransferFunction transfer;  ///< that was used
-  std::string why;            ///< it was taken, if it was suggested
-  /// Lines on what may not be as wished: iso-surfaces of values that were not found in the volume, baked fields that
-  /// are not as fine as they should be. Mostly none.
-  std::vector<std::string> notes;
-  std::uint64_t rays = 0, evaluations = 0;
-  /// What steps of half the length would change, on one pixel in 256: mean and largest difference of a channel, in
-  /// levels of 0..255. This is the error of the steps, apart from that of the field. Not found for `check_steps` false.
-  double step_error_mean = 0, step_error_most = 0;
 };
 
 /// Built once for a volume; then pictures of it from anywhere, with any transfer function.

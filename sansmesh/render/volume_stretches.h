@@ -8,10 +8,10 @@
 
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/ray_scene.h"
-#include "sansmesh/render/volume_options.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vec.h"
 #include "sansmesh/volume_field.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 

@@ -13,10 +13,10 @@
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/transfer_table.h"
 #include "sansmesh/render/volume_cells.h"
-#include "sansmesh/render/volume_options.h"
 #include "sansmesh/render/volume_stretches.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/volume_field.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 

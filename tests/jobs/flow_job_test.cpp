@@ -11,8 +11,8 @@
 #include "sansmesh/error.h"
 #include "sansmesh/flow.h"
 #include "sansmesh/flow_options.h"
-#include "sansmesh/jobs/flow_pictures.h"
-#include "sansmesh/jobs/line_picture.h"
+#include "sansmesh/flow_pictures.h"
+#include "sansmesh/pictures.h"
 #include "support/notes.h"
 
 namespace sansmesh::test {

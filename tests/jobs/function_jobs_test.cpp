@@ -9,8 +9,8 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/functions.h"
-#include "sansmesh/jobs/diagnose.h"
 #include "sansmesh/jobs/solid_parts.h"
+#include "sansmesh/pictures.h"
 #include "sansmesh/points.h"
 #include "sansmesh/solids.h"
 #include "support/clouds.h"

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/render.h"
+#include "sansmesh/pictures.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"

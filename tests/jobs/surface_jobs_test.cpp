@@ -8,9 +8,8 @@
 #include "sansmesh/error.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/inspect.h"
-#include "sansmesh/jobs/align_picture.h"
-#include "sansmesh/jobs/compare_picture.h"
 #include "sansmesh/measure/signed_distance.h"
+#include "sansmesh/pictures.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"
 

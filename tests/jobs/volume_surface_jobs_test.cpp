@@ -12,10 +12,9 @@
 #include "sansmesh/dataset/volume_file.h"
 #include "sansmesh/error.h"
 #include "sansmesh/isosurfaces.h"
-#include "sansmesh/jobs/surface_in_volume_pictures.h"
-#include "sansmesh/jobs/volume_pictures.h"
 #include "sansmesh/jobs/volume_series.h"
 #include "sansmesh/volume/reconstruction.h"
+#include "sansmesh/volume_pictures.h"
 #include "sansmesh/volumes.h"
 #include "support/notes.h"
 
@@ -161,7 +160,7 @@ TEST(SurfaceInVolume, OptionsThatDoNotGoTogether) {
   EXPECT_THROW(look.validate(), ArgumentError);
   look.color_by = "gaussian";
   EXPECT_NO_THROW(look.validate());
-  EXPECT_EQ(look.curvature(), CurvatureColorOptions::Quantity::gaussian);
+  EXPECT_EQ(look.curvature(), CurvatureQuantity::gaussian);
 }
 
 TEST(SurfaceInVolumePicturesJob, ColoursOfCurvatureAndOfArrays) {

@@ -9,10 +9,11 @@
 
 #include "render/analytic_surfaces.h"
 #include "sansmesh/error.h"
+#include "sansmesh/field/curvature_field.h"
 #include "sansmesh/render/blended_splats.h"
 #include "sansmesh/render/lighting.h"
-#include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/surface_picture.h"
+#include "sansmesh/render_options.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
@@ -181,9 +182,8 @@ TEST(Accessibility, BendsGiveAndTakeLight) {
   const double diagonal = std::sqrt(12.0);
   Progress progress;
   for (const float bend : {-3.0f, -0.5f, 0.0f, 0.5f}) {
-    const EvenBend curvature(bend);
     RenderOptions options = open_light(0.2, 0.4);
-    options.look.curvature = &curvature;
+    options.look.curvature = std::make_shared<EvenBend>(bend);
     options.look.surface_color = {0.5f, 0.5f, 0.5f};  // far from where highlights roll off
     const Image image = render_mesh(ball, options, progress);
     const double expected = 1 + 0.4 * 2 / std::numbers::pi * std::atan(static_cast<double>(bend) * 0.2 * diagonal);
@@ -195,9 +195,8 @@ TEST(Accessibility, WhatIsBentInAsFarAsCanBeIsDarkNotLit) {
   const TriangleMesh ball = test::octasphere(3);
   Progress progress;
   for (const float bend : {-1e30f, -std::numeric_limits<float>::infinity()}) {
-    const EvenBend curvature(bend);
     RenderOptions options = open_light(0.2, 1);
-    options.look.curvature = &curvature;
+    options.look.curvature = std::make_shared<EvenBend>(bend);
     const Image image = render_mesh(ball, options, progress);
     EXPECT_LT(light_at(image, options, kWidth / 2, kWidth / 2), 1e-3) << bend;
   }
@@ -206,10 +205,9 @@ TEST(Accessibility, WhatIsBentInAsFarAsCanBeIsDarkNotLit) {
 TEST(Accessibility, DoesNotDependOnThreads) {
   const TriangleMesh half = bowl(std::numbers::pi / 2);
   const test::Spheres sphere({1});
-  const FieldCurvature curvature(sphere, 0.01);
   RenderOptions options = open_light(0.3, 0.5);
   options.view.direction = {20, 40};
-  options.look.curvature = &curvature;
+  options.look.curvature = std::make_shared<FieldCurvature>(sphere, 0.01);
   test::expect_equal_for_any_threads([&] {
     Progress progress;
     return render_mesh(half, options, progress).pixels;

@@ -7,11 +7,12 @@
 #include <numbers>
 
 #include "render/analytic_surfaces.h"
-#include "sansmesh/render/mesh_picture.h"
+#include "sansmesh/field/curvature_field.h"
 #include "sansmesh/render/mesh_scene.h"
 #include "sansmesh/render/painter.h"
 #include "sansmesh/render/surface_picture.h"
 #include "sansmesh/render/surface_scene.h"
+#include "sansmesh/render_options.h"
 #include "support/any_threads.h"
 
 namespace sansmesh::inline v1 {
@@ -88,12 +89,12 @@ struct Drawing {
 };
 
 /// From above (y is up, z towards the viewer), 1 in the picture's plane being a share of its half.
-Drawing draw(const ScalarField& field, const BallUnion& balls, const CurvatureField* curvature,
+Drawing draw(const ScalarField& field, const BallUnion& balls, std::shared_ptr<const CurvatureField> curvature,
              SurfaceRenderOptions options = {}) {
   options.picture.view.width = options.picture.view.height = kDrawingSize;
   options.picture.quality.samples = 3;
   options.picture.view.direction = {0, 0};
-  options.picture.look.curvature = curvature;
+  options.picture.look.curvature = std::move(curvature);
   const SurfaceCaster caster(field, balls);
   const PictureFrame frame{{}, 2};
   std::vector<Vec3f> places;
@@ -141,11 +142,11 @@ TEST(LineInk, ASpheresSilhouetteIsWhereItTurnsAway) {
 
 TEST(LineInk, CrestsOfWavesAreWhereTheFormulaHasThem) {
   const Waves waves;
-  const FieldCurvature curvature(waves, 0.01);
+  const auto curvature = std::make_shared<FieldCurvature>(waves, 0.01);
   SurfaceRenderOptions options;
   options.picture.view.orthographic = true;
   options.picture.look.line_strength = 2;
-  const Drawing d = draw(waves, wave_balls(), &curvature, options);
+  const Drawing d = draw(waves, wave_balls(), curvature, options);
   const double pixel = 4 * static_cast<double>(d.camera.half_width) / kDrawingSize;
   int on = 0;
   std::vector<int> rows(kDrawingSize);
@@ -166,11 +167,11 @@ TEST(LineInk, CrestsOfWavesAreWhereTheFormulaHasThem) {
 
 TEST(LineInk, ATallRingsRidgeIsTheCircleAtItsTop) {
   const TallRing ring;
-  const FieldCurvature curvature(ring, 0.01);
+  const auto curvature = std::make_shared<FieldCurvature>(ring, 0.01);
   SurfaceRenderOptions options;
   options.picture.view.orthographic = true;
   options.picture.look.line_strength = 5;  // it is 14.4 there
-  const Drawing d = draw(ring, ring_balls(), &curvature, options);
+  const Drawing d = draw(ring, ring_balls(), curvature, options);
   const double pixel = 4 * static_cast<double>(d.camera.half_width) / kDrawingSize;
   double ink = 0, mean = 0;
   for (int y = 0; y < kDrawingSize; ++y)
@@ -186,14 +187,14 @@ TEST(LineInk, ATallRingsRidgeIsTheCircleAtItsTop) {
 
 TEST(LineInk, WhatIsEvenlyBentHasNoCrests) {
   const test::Spheres sphere({1});
-  const FieldCurvature of_sphere(sphere, 0.02);
+  const auto of_sphere = std::make_shared<FieldCurvature>(sphere, 0.02);
   const test::Torus torus;
-  const FieldCurvature of_torus(torus, 0.02);
+  const auto of_torus = std::make_shared<FieldCurvature>(torus, 0.02);
   SurfaceRenderOptions options;
   options.picture.view.orthographic = true;
   options.picture.look.line_strength = 0.5;
-  const Drawing round = draw(sphere, sphere_balls(3000), &of_sphere, options);
-  const Drawing ring = draw(torus, test::torus_balls(6000, 3), &of_torus, options);
+  const Drawing round = draw(sphere, sphere_balls(3000), of_sphere, options);
+  const Drawing ring = draw(torus, test::torus_balls(6000, 3), of_torus, options);
   for (int y = 0; y < kDrawingSize; ++y)
     for (int x = 0; x < kDrawingSize; ++x) {
       if (norm(place_of(round, x, y)) < 0.9) EXPECT_EQ(round.ink.at(x, y), 0) << x << ", " << y;
@@ -203,9 +204,9 @@ TEST(LineInk, WhatIsEvenlyBentHasNoCrests) {
 
 TEST(LineInk, DoesNotDependOnThreads) {
   const Waves waves;
-  const FieldCurvature curvature(waves, 0.01);
+  const auto curvature = std::make_shared<FieldCurvature>(waves, 0.01);
   const BallUnion balls = wave_balls();
-  test::expect_equal_for_any_threads([&] { return draw(waves, balls, &curvature).ink.pixels; });
+  test::expect_equal_for_any_threads([&] { return draw(waves, balls, curvature).ink.pixels; });
 }
 
 TriangleMesh cube_mesh() {

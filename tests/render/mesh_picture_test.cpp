@@ -1,4 +1,4 @@
-#include "sansmesh/render/mesh_picture.h"
+#include "sansmesh/render_options.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "sansmesh/render/mesh_picture.h"
+#include "sansmesh/render_options.h"
 #include "support/mesh_shapes.h"
 
 namespace sansmesh::inline v1 {

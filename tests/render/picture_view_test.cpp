@@ -9,12 +9,11 @@
 
 #include "render/analytic_volumes.h"
 #include "sansmesh/error.h"
-#include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/picture_crop.h"
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/surface_picture.h"
-#include "sansmesh/render/view_options.h"
 #include "sansmesh/render/volume_picture.h"
+#include "sansmesh/render_options.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 #include "support/sanitizers.h"

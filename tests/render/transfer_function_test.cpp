@@ -1,4 +1,4 @@
-#include "sansmesh/render/transfer_function.h"
+#include "sansmesh/volume_look.h"
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -13,7 +13,6 @@
 #include "sansmesh/render/color_space.h"
 #include "sansmesh/render/color_words.h"
 #include "sansmesh/render/lighting.h"
-#include "sansmesh/render/transfer_json.h"
 #include "sansmesh/render/transfer_presets.h"
 #include "sansmesh/render/transfer_table.h"
 #include "support/places.h"

@@ -6,21 +6,20 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/api.h"
 #include "sansmesh/flow.h"
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/use_picture.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/render/flow_texture.h"
-#include "sansmesh/render/picture_surfaces.h"
-#include "sansmesh/render/render_options.h"
-#include "sansmesh/render/volume_options.h"
+#include "sansmesh/render_options.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 
-struct FlowPictureOptions {
-  TraceSurfaceOptions trace = {};
+/// Pictures of surfaces of a flow, with streaks that run along it.
+struct SANSMESH_API FlowPictureOptions {
+  TraceSurfaceOptions trace = {};  ///< the surface
 
   bool textured = true;               ///< with streaks along the flow
   FlowTextureOptions streaks = {};    ///< its `phase` follows from the frame
@@ -47,21 +46,24 @@ struct FlowPictureOptions {
   static const OptionSchema& schema();
   /// Throws ArgumentError for bad options, and for such as mean nothing together.
   void validate() const;
+  /// Whether a volume is seen through around the surface.
   bool in_volume() const { return !volume_array.empty() || !isos.empty(); }
 };
 
+/// Outcome of flow_pictures().
 struct FlowPicturesResult {
-  FlowSurfaceReport surface;
+  FlowSurfaceReport surface;  ///< of the surface itself
   int width = 0, height = 0;  ///< of each picture
   std::vector<Note> notes;    ///< those of trace_surface; "reconstruction"
 };
 
 /// Throws ArgumentError for what the flow has not, before long work.
-void check_colors(const FlowModel& flow, const FlowPictureOptions& options);
+SANSMESH_API void check_colors(const FlowModel& flow, const FlowPictureOptions& options);
 
-/// `beside`: what stands in the same picture. Throws ArgumentError for bad options, DataError that begins with the
-/// flow's source; Cancelled.
-FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
-                                 std::vector<PictureSurface> beside, const UsePicture& use, Progress& progress);
+/// A picture, or frames of one, each handed over as it is made. `beside`: what stands in the same picture. Throws
+/// ArgumentError for bad options, DataError that begins with the flow's source; Cancelled.
+SANSMESH_API FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
+                                              std::vector<PictureSurface> beside, const UsePicture& use,
+                                              Progress& progress);
 
 }  // namespace sansmesh::inline v1
