@@ -2,8 +2,8 @@
 #pragma once
 
 #include "console.h"
-#include "sansmesh/affine_map.h"
 #include "sansmesh/mesh/align_surfaces.h"
+#include "sansmesh/placement.h"
 
 namespace sansmesh::cli {
 

@@ -9,11 +9,11 @@
 #include <variant>
 #include <vector>
 
-#include "sansmesh/affine_map.h"
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
+#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/triangle_mesh.h"

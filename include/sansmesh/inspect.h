@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/affine_map.h"
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
+#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/scalar_field.h"

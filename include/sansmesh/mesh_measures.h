@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
-#include "sansmesh/affine_map.h"
 #include "sansmesh/api.h"
 #include "sansmesh/option.h"
+#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/triangle_mesh.h"

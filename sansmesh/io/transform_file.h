@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/affine_map.h"
+#include "sansmesh/placement.h"
 
 namespace sansmesh::inline v1 {
 

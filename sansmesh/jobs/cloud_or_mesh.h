@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/affine_map.h"
 #include "sansmesh/box.h"
 #include "sansmesh/convert.h"
+#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/triangle_mesh.h"
 

@@ -4,10 +4,10 @@
 #include <numbers>
 
 #include "run_tool.h"
-#include "sansmesh/affine_map.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/transform_file.h"
 #include "sansmesh/mesh_measures.h"
+#include "sansmesh/placement.h"
 #include "support/mesh_shapes.h"
 #include "support/sanitizers.h"
 

@@ -1,4 +1,4 @@
-#include "sansmesh/affine_map.h"
+#include "sansmesh/placement.h"
 
 #include <gtest/gtest.h>
 

@@ -9,10 +9,10 @@
 #include <tuple>
 #include <utility>
 
-#include "sansmesh/affine_map.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/refine_edges.h"
+#include "sansmesh/placement.h"
 #include "sansmesh/points/point_features.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
