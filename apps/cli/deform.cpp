@@ -1,5 +1,5 @@
 // sansmesh deform: anything by handles, or by a map of displacements.
-#include "sansmesh/jobs/deform.h"
+#include "sansmesh/deform.h"
 
 #include <fmt/core.h>
 

@@ -1,7 +1,6 @@
 // Pictures of surfaces of a flow, with streaks that run along it.
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>

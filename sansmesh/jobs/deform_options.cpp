@@ -1,8 +1,8 @@
 // Options of deformations.
 #include <span>
 
+#include "sansmesh/deform.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/deform.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "sansmesh/box.h"
+#include "sansmesh/deform.h"
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/deform.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/picture_surfaces.h"

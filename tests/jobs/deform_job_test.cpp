@@ -13,7 +13,6 @@
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/deform.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/mesh_shapes.h"
