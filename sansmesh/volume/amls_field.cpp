@@ -85,7 +85,7 @@ static std::unique_ptr<VolumeField> make_amls_field(ReconstructionInput input) {
 
 namespace {
 
-constexpr std::string_view kAmlsUses[] = {"iterations", "shape", "order", "spherical"};
+constexpr std::string_view kAmlsUses[] = {"iterations", "epsilon", "order", "spherical"};
 constexpr VolumeMethod kAmlsMethods[] = {
     {.name = "amls",
      .summary = "approximate moving least squares: ellipsoidal, normalised, iterated; the fastest smooth one",
