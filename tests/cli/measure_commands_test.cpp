@@ -208,7 +208,7 @@ TEST_F(MeasureCommands, CompareComplaints) {
   expect_failure({"compare", "ball.ply"}, 2, "reference");
   expect_failure({"compare", "ball.ply", "empty.ply"}, 1, "empty.ply");
   expect_failure({"compare", "ball.ply", "ball.ply", "--color-range", "-1"}, 2, "range");
-  expect_failure({"compare", "ball.ply", "ball.ply", "--within", "-1"}, 2, "tolerance");
+  expect_failure({"compare", "ball.ply", "ball.ply", "--within", "-1"}, 2, "within");
   expect_failure({"compare", "ball.ply", "ball.ply", "--refine", "0"}, 2, "--refine");
   expect_failure({"compare", "ball.ply", "ball.ply", "-o", "map.txt"}, 1, "map.txt");
   expect_failure({"compare", "ball.ply", "ball.ply", "--preview", "map.jpg"}, 1, "map.jpg");

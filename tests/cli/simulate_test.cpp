@@ -215,7 +215,7 @@ TEST_F(SimulateTool, SaysInALineWhatIsWrong) {
       {{"simulate", "bar.mesh", "-o", "a.ply", "--frames", "3", "--fps", "2", "--duration", "1"},
        2,
        {"only two can be given"}},
-      {{"simulate", "bar.mesh", "-o", "a.ply", "--embedded-volume", "v.vti"}, 2, {"--volume needs pictures"}},
+      {{"simulate", "bar.mesh", "-o", "a.ply", "--embedded-volume", "v.vti"}, 2, {"--embedded-volume needs pictures"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--duration", "0.001"}, 2, {"--duration", "shorter than a frame"}},
       // Explicit and much too long: it explodes.
       {{"simulate", "bar.mesh", "-o", "a.ply", "--fixed", "bar.bou", "--integrator", "explicit-euler", "--longest-step",

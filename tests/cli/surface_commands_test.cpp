@@ -350,7 +350,7 @@ TEST_F(SurfaceCommands, WrongOptionsAreUsageErrors) {
            {{"curvature", "ball.ply", "-o", "out.ply", "--neighbours", "2"}, "neighbours"},
            {{"curvature", "ball.ply", "-o", "out.ply", "--tau", "9"}, "tau"},
            {{"curvature", "ball.ply", "-o", "out.ply", "--weights", "heavy"}, "gaussian"},
-           {{"curvature", "ball.ply", "-o", "out.ply", "--bandwidth", "-2"}, "radius"},
+           {{"curvature", "ball.ply", "-o", "out.ply", "--bandwidth", "-2"}, "bandwidth"},
            {{"render", "ball.ply", "-o", "out.png", "--quick"}, "--quick"},
            {{"render", "ball.ply", "-o", "out.png", "--sharp"}, "--sharp"},
            {{"render", "ball.ply", "-o", "out.png", "--color-by", "mean"}, "--color-by"},
