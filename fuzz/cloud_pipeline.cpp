@@ -10,6 +10,7 @@
 #include "sansmesh/io/assemble_points.h"
 #include "sansmesh/mesh/sewn_mesh.h"
 #include "sansmesh/mesh_measures.h"
+#include "sansmesh/model/surface_method.h"
 #include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/noise.h"
@@ -18,6 +19,7 @@
 #include "sansmesh/points/sights.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/reconstruct.h"
+#include "sansmesh/triangulation/block_tree.h"
 #include "target.h"
 
 using namespace sansmesh;
