@@ -1,5 +1,7 @@
 #include "help_levels.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <stdexcept>
 #include <string>
@@ -107,7 +109,7 @@ void arrange_help(std::span<const Command> commands) {
     const std::string name = command.full_name().substr(command.root().name().size() + 1);
     const std::vector<std::string> first = flags_in(words_of(kFirst, name));
     for (const std::string& flag : first)
-      if (!command.find(flag)) throw std::logic_error(name + " has no option " + flag);
+      if (!command.find(flag)) throw std::logic_error(fmt::format("{} has no option {}", name, flag));
     for (const auto& option : command.options()) {
       const bool listed = std::find(first.begin(), first.end(), option->name()) != first.end();
       option->advanced = !option->positional() && (option->group == kViewGroup || (!first.empty() && !listed));

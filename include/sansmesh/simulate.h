@@ -106,7 +106,7 @@ class SANSMESH_API Motion {
  public:
   /// Without any frame.
   Motion();
-  Motion(std::shared_ptr<const TetMesh> rest, const KeptMotion& kept);  ///< without any frame, of a body
+  Motion(const std::shared_ptr<const TetMesh>& rest, const KeptMotion& kept);  ///< without any frame, of a body
   /// What so many frames take in memory.
   double bytes(std::size_t frames) const;
   /// Positions and velocities in metres; `unit`: metres of the file's unit. All copies get the frame.

@@ -28,7 +28,7 @@ struct CarriedSurface::State {
 
 Motion::Motion() : Motion(std::make_shared<const TetMesh>(), {}) {}
 
-Motion::Motion(std::shared_ptr<const TetMesh> rest, const KeptMotion& kept)
+Motion::Motion(const std::shared_ptr<const TetMesh>& rest, const KeptMotion& kept)
     : state_(std::make_shared<State>(State{.rest = rest, .origin = bounds(*rest).center(), .kept = kept})) {}
 
 const TetMesh& Motion::rest() const { return *state_->rest; }
