@@ -9,9 +9,9 @@
 
 namespace sansmesh::cli {
 
-/// Of a file that is not there, with what may have been meant.
+/// Message of an error of a file; if the file is not there, with the name that may have been meant.
 std::string words_of_file_error(const FileError& error, const CommandLine& command);
-/// Of an exception of another library, in our words.
+/// Message of any other exception; those of the standard library are told in our words.
 std::string words_of_error(const std::exception& error);
 
 }  // namespace sansmesh::cli

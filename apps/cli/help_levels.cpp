@@ -16,7 +16,8 @@ struct OptionsOfCommand {
   std::string_view command, options;
 };
 
-/// Of commands that have more than twenty besides those of views: what people use first. Of others it is all.
+/// Options that people use first, of commands that have more than twenty besides those of views. The other commands
+/// show all.
 constexpr OptionsOfCommand kFirst[] = {
     {"reconstruct",
      "output preview class components open closed fill-holes trim faces normals orient-by align mesh-error triangles "
@@ -65,7 +66,7 @@ constexpr OptionsOfCommand kFirst[] = {
      "output seeds kind particles duration length unsteady array color-by no-streaks streak-length opacity arrows "
      "frames turn volume-array preset iso mesh background"}};
 
-/// What chooses among variants of the sources, for those who compare with them.
+/// Options that choose among variants of the sources, for those who compare with them.
 constexpr std::string_view kOfProjections = "normal reference-plane polynomial flow diffusion diffusion-threshold tau";
 constexpr std::string_view kOfReconstructions = "spherical no-spherical robust no-robust b c";
 constexpr OptionsOfCommand kOfSources[] = {

@@ -138,7 +138,7 @@ std::string word_of_heading(const std::string& heading) {
   return word;
 }
 
-/// Of those that are not shown at first.
+/// Names of the advanced options, which are not shown at first.
 std::string names_in(const OptionGroup& group) {
   std::string names;
   for (const OptionEntry* option : group.options)

@@ -43,8 +43,8 @@ void warn_of_old_names(const CommandLine& line, Console& console) {
       console.warn({fmt::format(kOld, option->typed, option->name())});
 }
 
-/// Where it fails, `kept` says which of its files are there all the same: more words for the error. Returns the exit
-/// code.
+/// Runs a command and returns its exit code. If it fails, `kept` says which of its files are there all the same: more
+/// words for the error.
 int run(const Command& command, const CommonArguments& common, std::string& kept) {
   const ThreadScope threads(common.threads);
   Console console(common.console, *command.line);

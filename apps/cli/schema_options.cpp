@@ -112,7 +112,7 @@ void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool val
   entry.row = &row;
   // The two flags of a pair exclude each other.
   if (value && row.optional) entry.excludes = flag_of_name(negative);
-  // Of a flag that is on by itself the old name is of turning it off, the only one that there is.
+  // A flag that is on by itself has one that turns it off and no other: the old name is that one's.
   if (value != usual && !row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
   entry.field = value ? std::string(row.name) : std::string(row.name) + " = false";
   entry.use = [&row, owner, value](const std::vector<std::string>&) { set_option(row, owner, value); };

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char *kIn = "/dev/stdin", *kOut = "/dev/stdout";
 
-/// What is a file on the command line, or may be one.
+/// Returns true if the values of the option are files, or may be.
 bool takes_files(const OptionEntry& option) { return option.is_file() || option.value_name == "INPUT"; }
 
 /// The ending that goes without saying; empty if there is none. Descriptions of what is read name some of many.

@@ -7,7 +7,7 @@
 
 namespace sansmesh::cli {
 
-/// Whether the option names a file to write.
+/// Returns true if the option names a file to write.
 bool writes_file(const OptionEntry& option);
 
 /// Gives `-` and `-.ENDING`, where the command line has them for files, the names by which readers and writers know

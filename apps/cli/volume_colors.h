@@ -1,4 +1,4 @@
-// How a volume is seen in a picture: what --preset, --transfer, --opacity-factor and --iso say, of all commands that
+// Look of a volume in a picture: what --preset, --transfer, --opacity-factor and --iso say, of all commands that
 // draw one.
 #pragma once
 

@@ -38,12 +38,12 @@ std::string method_line(const VolumeModel& volume);
 /// "array", "method", "samples", "grid", …
 Json json_of_volume(const VolumeInput& input, const VolumeModel& volume, Progress& progress);
 
-/// Whether the word `data` before files that were given to a command of points says that they are a volume; it is taken
-/// away.
+/// Takes the word `data` away from the front of files that were given to a command of points. Returns true if it was
+/// there: it says that the files are a volume.
 bool says_volume(std::vector<std::string>& files);
-/// Whether they can be nothing else.
+/// Returns true if every file can be nothing but a volume, by its name or content.
 bool are_volumes(const std::vector<std::string>& files);
-/// One or the other.
+/// Returns true if the word says so, or the files can be nothing else.
 bool names_volume(std::vector<std::string>& files);
 
 /// A surface in a volume that is named FILE[ARRAY=VALUE].

@@ -1,16 +1,22 @@
 // A field in other coordinates.
 #pragma once
 
+#include <memory>
+#include <utility>
+
 #include "sansmesh/field/similarity.h"
 #include "sansmesh/scalar_field.h"
 
 namespace sansmesh::inline v1 {
 
-/// A field of its own coordinates seen from the input's: its values are lengths and grow with the unit. The field must
-/// outlive it.
+/// A field of its own coordinates seen from the input's: its values are lengths and grow with the unit.
 class PlacedField : public ScalarField {
  public:
-  PlacedField(const ScalarField& field, const Placement& place) : field_(field), place_(similarity_of(place)) {}
+  /// The field must outlive it.
+  PlacedField(const ScalarField& field, const Placement& place) : PlacedField(nullptr, field, place) {}
+  /// Keeps `owner`, which the field is part of.
+  PlacedField(std::shared_ptr<const void> owner, const ScalarField& field, const Placement& place)
+      : owner_(std::move(owner)), field_(field), place_(similarity_of(place)) {}
 
   Box3 bounds() const override {
     const Box3 box = field_.bounds();
@@ -31,6 +37,7 @@ class PlacedField : public ScalarField {
   }
 
  private:
+  std::shared_ptr<const void> owner_;  ///< null: somebody else keeps the field
   const ScalarField& field_;
   Similarity place_;
 };

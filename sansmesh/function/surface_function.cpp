@@ -7,23 +7,12 @@
 #include "sansmesh/function/function_file.h"
 
 namespace sansmesh::inline v1 {
-namespace {
-
-/// The field in the input's coordinates, with the function that it is of.
-struct FieldInInput {
-  std::shared_ptr<const FittedFunction> function;
-  PlacedField field;
-};
-
-}  // namespace
 
 SurfaceFunction::SurfaceFunction(FittedFunction fitted)
     : fitted_(std::make_shared<const FittedFunction>(std::move(fitted))) {}
 
 std::shared_ptr<const ScalarField> SurfaceFunction::field() const {
-  const auto kept =
-      std::make_shared<const FieldInInput>(FieldInInput{fitted_, PlacedField(fitted_->field, fitted_->place)});
-  return {kept, &kept->field};
+  return std::make_shared<const PlacedField>(fitted_, fitted_->field, fitted_->place);
 }
 
 Box3 SurfaceFunction::bounds() const {

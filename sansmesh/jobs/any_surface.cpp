@@ -17,23 +17,6 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A field in the input's coordinates that keeps what it is a field of.
-template <class Owner>
-struct KeptField {
-  std::shared_ptr<const Owner> owner;
-  PlacedField field;
-
-  KeptField(std::shared_ptr<const Owner> of, const ScalarField& own, const Placement& place)
-      : owner(std::move(of)), field(own, place) {}
-};
-
-template <class Owner>
-std::shared_ptr<const ScalarField> kept_field(const std::shared_ptr<const Owner>& owner, const ScalarField& own,
-                                              const Placement& place) {
-  const auto kept = std::make_shared<const KeptField<Owner>>(owner, own, place);
-  return {kept, &kept->field};
-}
-
 /// The distance to a mesh that it keeps.
 struct KeptDistance {
   std::shared_ptr<const TriangleMesh> mesh;
@@ -59,7 +42,7 @@ AnySurface::AnySurface(std::shared_ptr<const Isosurface> isosurface, std::string
     : name_(std::move(name)),
       kind_(Kind::isosurface),
       isosurface_(std::move(isosurface)),
-      field_(kept_field(isosurface_, *isosurface_, isosurface_->place())) {}
+      field_(std::make_shared<const PlacedField>(isosurface_, *isosurface_, isosurface_->place())) {}
 
 const char* AnySurface::kind_word() const {
   switch (kind_) {
