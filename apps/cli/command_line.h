@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "option_entry.h"
+#include "report_json.h"
 
 namespace sansmesh::cli {
 
@@ -76,6 +77,10 @@ class CommandLine {
   /// Text of the help below the options. Lines after one that is "Examples:" are commands to try.
   void footer(const std::string& text);
 
+  /// What it tells with --json: all that it may tell there.
+  void tells(const std::vector<ToldReport>& reports) { told_.insert(told_.end(), reports.begin(), reports.end()); }
+  const std::vector<ToldReport>& told() const { return told_; }
+
   /// For what makes options of its own kind (schema_options.h).
   OptionEntry& add_entry(const std::string& names, OptionEntry::Kind kind, const std::string& what) {
     return add(names, kind, what);
@@ -122,6 +127,7 @@ class CommandLine {
   std::string name_, what_, footer_, old_name_;
   CommandLine* parent_ = nullptr;
   bool common_ = true;
+  std::vector<ToldReport> told_;
   std::vector<std::unique_ptr<OptionEntry>> options_;
   std::vector<std::unique_ptr<CommandLine>> commands_;
 };

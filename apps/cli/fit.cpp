@@ -1,5 +1,6 @@
 // sansmesh fit: points in, function file out.
 #include "sansmesh/jobs/fit_function.h"
+#include "sansmesh/jobs/fit_words.h"
 
 #include <fmt/core.h>
 
@@ -26,44 +27,32 @@ struct FitArguments {
 void run_fit(const FitArguments& a, Console& console) {
   a.options.validate();
   check_function_writable(a.output);
-  Progress& progress = console.progress();
-  progress.begin("read");
   ReadReport read;
   PointSet points = a.input.read(console, read);
   const std::size_t given = points.size();
   const CloudScale scale(points);
-  const auto [function, report, notes] =
-      naming(a.input.name(), console, [&] { return fit_function(std::move(points), a.options, progress); });
+  const auto [function, report, notes] = naming(a.input.name(), console, [&, &all = points] {
+    return fit_function(std::move(all), a.options, console.progress());
+  });
   console.note(a.input.name(), notes);
-  progress.begin("write");
+  console.progress().begin("write");
   write_function(a.output, function, !a.without_samples);
-  progress.finish();
+  console.tell(a.input.told(read, given), "input");
+  console.tell(scale);
+  console.tell(report);
+  console.tell(ToldFile{a.output}, "output");
+  console.tell_value("output.samples", a.without_samples ? 0 : function.samples->size());
 
-  const PartitionReport& r = function.field.report();
-  const Placement& place = function.place;
+  const FunctionInfo& f = report.function;
   console.say(fmt::format("{}: {} ({})", a.input.name(), counted(given, "point"), read.format));
   console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(scale.spacing),
-                          scale.noise_words(), length(place.to_input(r.accuracy))));
-  console.say("normals " + normals_made(report.estimated_normals, report.oriented_by));
+                          scale.noise_words(), length(f.accuracy)));
+  console.say(normals_made(report.estimated_normals, report.oriented_by));
   if (!report.alignment.empty()) console.say(report.alignment);
-  console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.functions, "local fit"),
-                          r.depth, grouped(r.creased), a.without_samples ? ", without samples" : ""));
-  if (function.paper)
-    for (const std::string& line : paper_words(*function.paper, r.functions_of_degree)) console.say(line);
-  Json json = {{"input", a.input.json(read, given)}};
-  scale.add_to(json);
-  json["deviation"] = place.to_input(r.noise);
-  json["normals"] = normals_made_json(report.estimated_normals, report.oriented_by);
-  json["accuracy"] = place.to_input(r.accuracy);
-  json["depth"] = r.depth;
-  json["fits"] = r.functions;
-  json["fits_of_degree"] = r.functions_of_degree;
-  json["creased"] = r.creased;
-  json["output"] = {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples->size()}};
-  if (function.paper) json["paper"] = paper_json(*function.paper);
-  if (a.options.cloud.align) json["alignment"] = report.alignment;
-  console.say_json(json);
-  console.print_timings();
+  console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(f.fits, "local fit"), f.depth,
+                          grouped(f.creased), a.without_samples ? ", without samples" : ""));
+  if (report.paper)
+    for (const std::string& line : paper_words(*report.paper, f.fits_of_degree)) console.say(line);
 }
 
 }  // namespace
@@ -87,6 +76,8 @@ Command add_fit(CommandLine& app) {
            "  sansmesh fit scan.ply -o scan.smf\n"
            "  sansmesh mesh scan.smf -o scan-mesh.ply\n"
            "  sansmesh diagnose scan.smf");
+  c.tells({told<ReadCloud>("input"), told<CloudScale>(), told<FitFunctionReport>(), told<ToldFile>("output"),
+           told_value<std::size_t>("output.samples", "Samples that were written with it")});
   return {&c, [a](Console& console) { run_fit(*a, console); }};
 }
 

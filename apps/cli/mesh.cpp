@@ -1,13 +1,13 @@
 // sansmesh mesh: function file in, mesh out.
 #include <fmt/core.h>
 
+#include "cloud_input.h"
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
-#include "sansmesh/error.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/io.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/jobs/fit_words.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "schema_options.h"
 
@@ -23,41 +23,22 @@ struct MeshArguments {
 void run_mesh(MeshArguments& a, Console& console) {
   a.options.validate();
   a.output.check();
-  Progress& progress = console.progress();
-  progress.begin("read");
+  console.progress().begin("read");
   const SurfaceFunction function = read_function(a.input);
   MeshReport report;
-  TriangleMesh mesh;
-  try {
-    mesh = mesh_function(function, a.options, progress, &report);
-  } catch (const DataError& error) {
-    throw FileError(a.input, error.what());
-  }
+  const TriangleMesh mesh =
+      naming(a.input, console, [&] { return mesh_function(function, a.options, console.progress(), &report); });
   console.warn(a.input, report.warnings);
-  a.output.write(mesh, progress);
-  progress.finish();
+  a.output.write(mesh, console);
+  console.tell(ToldFile{a.input}, "input");
+  console.tell(report);
 
-  const MeshTopology topology = measure_topology(mesh);
   console.say(fmt::format("{}: {}, {}", a.input, counted(function.field.report().functions, "local fit"),
                           counted(function.samples->size(), "sample")));
-  console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output.file, counted(mesh.triangles.size(), "triangle"),
-                          grouped(mesh.vertices.size()), counted(topology.components, "component"),
-                          topology.closed() ? ", closed" : ", with borders"));
+  const MeshTopology topology = measure_topology(mesh);
+  say_mesh(a.output.file, mesh, topology.components, topology.closed(), console);
   if (report.simplices > 0) console.say("walked through " + grouped(report.simplices) + " simplices");
-  if (a.options.measure_quality) say_aspect_ratios(report, console);
-  Json json = {{"input", {{"file", a.input}, {"fits", function.field.report().functions}}},
-               {"blocks", report.blocks},
-               {"depth", report.block_depth},
-               {"output",
-                {{"file", a.output.file},
-                 {"vertices", mesh.vertices.size()},
-                 {"triangles", mesh.triangles.size()},
-                 {"components", topology.components},
-                 {"closed", topology.closed()},
-                 {"mesh_error", report.mesh_error}}}};
-  if (report.simplices > 0) json["simplices"] = report.simplices;
-  console.say_json(json);
-  console.print_timings();
+  if (a.options.measure_quality) console.say(aspect_words(report));
 }
 
 }  // namespace
@@ -76,6 +57,7 @@ Command add_mesh(CommandLine& app) {
       "  sansmesh mesh scan.smf -o quick.stl --block-depth 6\n"
       "  sansmesh mesh scan.smf -o part.ply --box 0,0,0,10,10,5\n"
       "  sansmesh mesh scan.smf -o small.glb --triangles 20000 --preview small.png");
+  c.tells({told<ToldFile>("input"), told<MeshReport>()});
   return {&c, [a](Console& console) { run_mesh(*a, console); }};
 }
 

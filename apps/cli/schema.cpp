@@ -55,6 +55,7 @@ Json json_of_option(const OptionEntry& option) {
   if (option.implied) json["implied"] = *option.implied;
   if (!option.excludes.empty()) json["excludes"] = option.excludes;
   if (!option.old_names.empty()) json["old_names"] = option.old_names;
+  if (option.in_order) json["step"] = true;
   if (option.required) json["required"] = true;
   if (option.repeated || option.several) json["repeated"] = true;
   return json;
@@ -72,7 +73,8 @@ void add_commands_of(const CommandLine& line, Json& list) {
       list.push_back({{"name", command->full_name().substr(line.root().name().size() + 1)},
                       {"text", command->what()},
                       {"common", command->takes_common_options()},
-                      {"options", json_of_options(*command)}});
+                      {"options", json_of_options(*command)},
+                      {"report", json_of_keys(command->told())}});
     add_commands_of(*command, list);
   }
 }
@@ -149,7 +151,8 @@ Command add_schema_command(CommandLine& app) {
       "Each option has `names`, `kind`, `text` and `group`; where they apply `field` (in errors and bindings), "
       "`value`,\n"
       "`unit`, `usual` (its value where it is not given), `from_data`, `range`, `choices`, `numbers`, `endings`,\n"
-      "`implied`, `excludes`, `old_names` (understood, and warned of), `required` and `repeated`. Ends of a range that "
+      "`implied`, `excludes`, `step` (done in the order given), `old_names` (understood, and warned of), `required` "
+      "and `repeated`. Ends of a range that "
       "are null are infinite; those of `above`\n"
       "and `below` are excluded. `surfaces` and `volume_methods` are the methods of --surface and, for volumes, of "
       "--method, with the fields\n"

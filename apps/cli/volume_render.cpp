@@ -43,11 +43,6 @@ VolumePicturesOptions VolumeRenderArguments::chosen() const {
   return o;
 }
 
-Json json_of_baked(const BakeReport& r) {
-  return {{"bricks", r.bricks},   {"bytes", r.bytes},           {"finished", r.finished},
-          {"checked", r.checked}, {"error_mean", r.error_mean}, {"error_most", r.error_most}};
-}
-
 void run_volume_render(VolumeRenderArguments& a, Console& console) {
   const VolumePicturesOptions options = a.chosen();
   check_writable(a.output, "image");
@@ -57,42 +52,31 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
   VolumeModel volume = a.input.open(console);
   Progress& progress = console.progress();
   VolumePictures pictures(volume, options, a.contents.read(options.look, console), progress);
-  std::vector<std::string> files;
-  Image image;
+  PictureFiles files(a.picture, a.output, a.frames > 0, console);
   for (const ViewDirection& view : turntable(pictures.look().view, std::max(1, a.frames))) {
-    files.push_back(a.frames > 0 ? frame_name(a.output, files.size()) : a.output);
-    if (files.size() > 1) console.keep_frames();
     VolumePictureOptions look = pictures.look();
     look.view = view;
-    image = a.picture.write(files.back(), pictures.render(view, progress), look);
+    files.write(pictures.render(view, progress), look);
   }
-  progress.finish();
   console.note(volume.name(), pictures.notes());
-
   const VolumePictureReport& r = pictures.report();
-  const auto samples = volume.samples(progress);
-  console.say(method_line(volume));
-  console.say(fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid));
-  const auto [lower, upper] = r.transfer.range();
-  console.say(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.size() == 1 ? files[0] : a.output, lower, upper,
-                          r.why.empty() ? "" : "; " + r.why));
   const BakeReport* const baked = pictures.baked();
+  if (!a.save_transfer.empty()) write_text(a.save_transfer, transfer_function_json(r.transfer));
+  console.tell(a.input.told(volume, progress), "input");
+  console.tell(r);
+  console.tell(files.written(), "output");
+  if (baked) console.tell(*baked, "baked");
+
+  console.say(method_line(volume));
+  console.say(samples_line(volume, progress));
+  const auto [lower, upper] = r.transfer.range();
+  console.say(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.written().words(), lower, upper,
+                          r.why.empty() ? "" : "; " + r.why));
   if (baked)
     console.say(fmt::format(
         "baked into {}, off by {:.3g} % of the range on average, {:.3g} % at the worst of the places checked{}",
         counted(baked->bricks, "brick"), 100 * baked->error_mean, 100 * baked->error_most,
         baked->finished ? "" : "; there was no memory for more"));
-  if (!a.save_transfer.empty()) write_text(a.save_transfer, transfer_function_json(r.transfer));
-  Json json = {{"input", json_of_volume(a.input, volume, progress)},
-               {"colors", {{"lower", lower}, {"upper", upper}}},
-               {"why", r.why},
-               {"rays", r.rays},
-               {"evaluations", r.evaluations},
-               {"notes", r.notes},
-               {"output", {{"files", files}, {"width", image.width}, {"height", image.height}}}};
-  if (baked) json["baked"] = json_of_baked(*baked);
-  console.say_json(json);
-  console.print_timings();
 }
 
 }  // namespace
@@ -125,6 +109,8 @@ Command add_volume_render(CommandLine& volume) {
            "  sansmesh volume render head.mhd -o head.png --preset ct-bone\n"
            "  sansmesh volume render bluntfinxyz.bin --array Density -o fin.png --iso 2.5 --cut 'y>4' --axes\n"
            "  sansmesh volume render fire.vtu --array t --opacity-by mfrac -o fire.png --frames 36");
+  c.tells({told<ReadVolume>("input"), told<VolumePictureReport>(), told<WrittenPictures>("output"),
+           told<BakeReport>("baked")});
   return {&c, [shared](Console& console) { run_volume_render(*shared, console); }};
 }
 

@@ -1,6 +1,8 @@
 // Affine maps of space, and clouds and meshes moved by them.
 #pragma once
 
+#include <array>
+
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -20,6 +22,10 @@ struct AffineMap {
   double determinant() const { return dot(x, cross(y, z)); }
   /// Whether nothing but the shift moves anything.
   bool only_shifts() const { return x == Vec3{1, 0, 0} && y == Vec3{0, 1, 0} && z == Vec3{0, 0, 1}; }
+  /// Its matrix, a row after the other.
+  std::array<std::array<double, 4>, 4> rows() const {
+    return {{{x.x, y.x, z.x, shift.x}, {x.y, y.y, z.y, shift.y}, {x.z, y.z, z.z, shift.z}, {0, 0, 0, 1}}};
+  }
   /// First `first`, then this.
   AffineMap after(const AffineMap& first) const;
   /// Throws ArgumentError where the map flattens space: |determinant| is not above 1e-12 of the product of the lengths

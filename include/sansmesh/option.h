@@ -30,7 +30,8 @@ enum class OptionKind : std::uint8_t {
   choice,   ///< one of a few words; its value is the word
   numbers,  ///< a list of `count` numbers, or of any number of them where that is 0
   texts,
-  group  ///< a struct of options
+  group,  ///< a struct of options
+  steps   ///< a list of what is done one after the other; its rows are what may be
 };
 
 /// Numbers that an option takes. An end that is excluded is approached only.
@@ -73,11 +74,12 @@ struct OptionRow : OptionFacts {
 
   OptionKind kind = OptionKind::flag;
   bool optional = false;  ///< may be left to the data
+  bool step = false;      ///< one of `steps`: setting it adds a step to the list
   int count = 1;          ///< of numbers
   OptionValue (*get)(const void* options) = nullptr;
   void (*set)(void* options, const OptionValue& value) = nullptr;
-  void* (*part)(void* options) = nullptr;  ///< of a group: the struct
-  std::span<const OptionRow> rows = {};    ///< of a group
+  void* (*part)(void* options) = nullptr;  ///< of a group: the struct; of steps: the list
+  std::span<const OptionRow> rows = {};    ///< of a group or steps
 };
 
 /// All options of a struct.
@@ -278,6 +280,30 @@ constexpr OptionRow option_group(std::span<const OptionRow> rows, const OptionFa
   return row;
 }
 
+/// The row of what may be done in a list of steps: `make` makes one of a value, `[](const OptionValue& value) -> Step`.
+/// Of a flag the value is true.
+template <class Step, auto make>
+constexpr OptionRow option_step(OptionKind kind, const OptionFacts& facts, int count = 1) {
+  OptionRow row;
+  static_cast<OptionFacts&>(row) = facts;
+  row.kind = kind;
+  row.count = count;
+  row.optional = row.step = true;
+  row.get = [](const void*) { return OptionValue(); };
+  row.set = [](void* steps, const OptionValue& value) {
+    static_cast<std::vector<Step>*>(steps)->push_back(make(value));
+  };
+  return row;
+}
+
+/// A list of steps, and what they may be: a row each.
+template <auto member>
+constexpr OptionRow option_steps(std::span<const OptionRow> rows) {
+  OptionRow row = option_group<member>(rows);
+  row.kind = OptionKind::steps;
+  return row;
+}
+
 /// The rows of a base of a struct.
 template <class Base, class Derived>
 constexpr OptionRow option_base(std::span<const OptionRow> rows) {
@@ -294,7 +320,8 @@ concept HasSchema = requires {
   { T::schema() } -> std::convertible_to<const OptionSchema&>;
 };
 
-/// Calls `use` for every row, those of groups in their place, with the struct that it is a field of.
+/// Calls `use` for every row, those of groups and steps in their place, with the struct (or list) that it is a field
+/// of.
 void for_each_option(const OptionSchema& schema, void* options,
                      const std::function<void(const OptionRow& row, void* owner)>& use);
 void for_each_option(const OptionSchema& schema, const void* options,

@@ -8,6 +8,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -27,6 +28,8 @@ struct Advice {
   /// and deformation each.
   std::vector<Recommendation> recommendations;
   std::vector<Note> notes;  ///< "preparation": what there is to say of the samples
+
+  static const ReportSchema& schema();
 };
 
 /// What METHODS §8 and docs/methods/which-method.md say of such traits.

@@ -8,6 +8,7 @@
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -38,6 +39,8 @@ struct CloudTraits {
   OrientationReport orientation;  ///< the same in numbers
 
   double noise_ratio() const { return spacing > 0 ? noise / spacing : 0; }
+
+  static const ReportSchema& schema();
 };
 
 /// Measures the samples: O(n), most of it for the outliers, about 2 µs of CPU per sample, and the openness, up to a

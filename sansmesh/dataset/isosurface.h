@@ -18,6 +18,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/triangle_mesh.h"
@@ -111,6 +112,8 @@ struct IsosurfaceReport {
   double area = 0;
   std::optional<double> volume;  ///< enclosed, where closed
   std::vector<std::string> warnings;
+
+  static const ReportSchema& schema();
 };
 
 /// The surface as a mesh in the input's coordinates: it ends at the volume's boundary unless it is to be closed. Vertex

@@ -15,6 +15,7 @@
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
@@ -62,6 +63,8 @@ struct VolumeSurfaceReport {
   double noise_distance = 0;   ///< what that moves an isosurface by (length)
   double least_gradient = 0;   ///< high_gradient
   std::optional<double> beta;  ///< where one holds everywhere
+
+  static const ReportSchema& schema();
 };
 
 /// The surface as a projection, in coordinates of its own.

@@ -8,6 +8,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/grid_data.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/space_map.h"
 
 namespace sansmesh::inline v1 {
@@ -18,6 +19,8 @@ struct Fold {
   Vec3 center;       ///< mean of its points
   double share = 0;  ///< of the volume looked at
   double least = 0;  ///< determinant
+
+  static const ReportSchema& schema();
 };
 
 struct FoldReport {
@@ -25,6 +28,8 @@ struct FoldReport {
   double least = 0;         ///< determinant anywhere; 1 where nothing is known
   std::vector<Fold> folds;  ///< connected ones, the largest first
   GridBlock determinants;   ///< lattice with an array `determinant` (1 float; NaN outside of that volume)
+
+  static const ReportSchema& schema();
 };
 
 /// Looks at the points of a lattice of 2 to 4096 points an axis over a box (first and last on its faces), each of which

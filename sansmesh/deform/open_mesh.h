@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/deform/occluder.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -32,6 +33,8 @@ struct OpenMeshReport {
   std::size_t faces = 0;     ///< triangles of cut faces, both sides together
   std::size_t unopened = 0;  ///< triangles that a cut crosses in too complicated a way, after all refinements
   std::size_t unclosed = 0;  ///< cuts that left something open: meshes as cuts, open meshes
+
+  static const ReportSchema& schema();
 };
 
 /// Splits the edges that a cut crosses, and the triangles at them, and doubles the vertices on the cut but for those at

@@ -7,6 +7,7 @@
 
 #include "sansmesh/dynamics/soft_body_options.h"
 #include "sansmesh/dynamics/step_report.h"
+#include "sansmesh/report.h"
 #include "sansmesh/tet_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -15,6 +16,8 @@ namespace sansmesh::inline v1 {
 struct BodyEnergies {
   double kinetic = 0, elastic = 0, gravity = 0;
   double total() const { return kinetic + elastic + gravity; }
+
+  static const ReportSchema& schema();
 };
 
 /// Positions and velocities are in the mesh's order and coordinates. The same bits for any number of threads.

@@ -14,6 +14,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/polyline_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/vector_field.h"
 
 namespace sansmesh::inline v1 {
@@ -48,6 +49,8 @@ struct FlowLineReport {
   std::size_t seeds = 0, outside = 0;
   std::array<std::size_t, 6> ends{};  ///< of path lines, by TraceEnd
   double longest = 0;                 ///< length
+
+  static const ReportSchema& schema();
 };
 
 /// The lines, in coordinates of the field. Attributes of points: `time` (double; of streaks when the

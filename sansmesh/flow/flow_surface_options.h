@@ -8,6 +8,7 @@
 
 #include "sansmesh/flow/trace.h"
 #include "sansmesh/option.h"
+#include "sansmesh/report.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -80,6 +81,8 @@ struct FlowSurfaceReport {
   bool complete = true;               ///< false: `most_points`, `most_fronts` or `moments_meet` ended it
   bool moments_meet = false;          ///< fronts were so near in time that their moments are the same number
   double spacing = 0;                 ///< Δ₀
+
+  static const ReportSchema& schema();
 };
 
 }  // namespace sansmesh::inline v1

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "sansmesh/option.h"
@@ -33,6 +34,10 @@ enum class TraceEnd : std::uint8_t {
   steps,           ///< more steps than `most_steps`
   outside          ///< it began where there is no field
 };
+
+/// In the order of the enumerators.
+inline constexpr std::string_view kTraceEndWords[] = {"time",           "length", "boundary",
+                                                      "critical_point", "steps",  "outside"};
 
 struct TraceOptions {
   Integrator integrator = Integrator::dopri5;

@@ -10,6 +10,7 @@
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/partition/edit_result.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -72,6 +73,8 @@ struct EditReport {
   /// The same more closely: boxes whose union holds it; they may overlap.
   std::vector<Box3> regions;
   std::string what;  ///< one line for people to read
+
+  static const ReportSchema& schema();
 };
 
 /// A function, and what it was before each edit.

@@ -297,4 +297,21 @@ TriangleMesh update_mesh(const SurfaceFunction& function, TriangleMesh before, s
   return mesh_function(function, options, progress);
 }
 
+namespace {
+
+constexpr ReportRow kMeshUpdateRows[] = {
+    reported<&MeshUpdate::local>({.text = "Whether only parts were made anew"}),
+    reported<&MeshUpdate::removed>({.text = "Triangles that were removed"}),
+    reported<&MeshUpdate::added>({.text = "Triangles that were added"}),
+    reported<&MeshUpdate::regions>({.text = "Separate regions that were made anew"}),
+    reported<[](const MeshUpdate& r) { return told_if(!r.why.empty(), r.why); }>(
+        {.name = "why", .text = "Reason for which all was made anew"})};
+
+}  // namespace
+
+const ReportSchema& MeshUpdate::schema() {
+  static constexpr ReportSchema schema{kMeshUpdateRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -10,6 +10,7 @@
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -19,6 +20,8 @@ struct MeshUpdate {
   std::size_t removed = 0, added = 0;  ///< triangles
   std::size_t regions = 0;             ///< apart from each other, that were cut out again
   std::string why;                     ///< why the whole was made anew, for people to read; empty if it was not
+
+  static const ReportSchema& schema();
 };
 
 /// The mesh of an edited function, from the mesh that mesh_function made of it before with the same options: only what

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "sansmesh/affine_map.h"
@@ -9,8 +10,12 @@
 #include "sansmesh/mesh/align_surfaces.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
+
+/// The motion and how it fits, in lines for people.
+std::vector<std::string> summary_of(const SurfaceAlignment& alignment);
 
 struct AlignResult {
   TriangleMesh moved;  ///< with all that belongs to it; points have no triangles
@@ -22,6 +27,8 @@ struct AlignResult {
   /// "mirrored": the mirror image fits instead; "other_shape": they differ by more than noise; "mesh": what there is to
   /// say of a mesh that was made.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();
 };
 
 /// Finds the motion (align_surfaces) and applies it, after `before`. Throws ArgumentError for bad options, DataError

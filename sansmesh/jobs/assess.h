@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "sansmesh/mesh/mesh_coverage.h"
@@ -13,6 +14,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -34,6 +36,8 @@ struct AssessReport {
   // With a reference.
   std::optional<SurfaceDistance> distance;
   std::optional<MeshCoverage> coverage;  ///< of a mesh whose reference is a cloud or a meshed scan
+
+  static const ReportSchema& schema();
 };
 
 struct AssessResult {
@@ -48,5 +52,8 @@ AssessResult assess(const TriangleMesh& mesh, Progress& progress);
 /// The same, and how far it is from the reference and back. Throws ArgumentError for bad options, DataError if a side
 /// has no finite points.
 AssessResult assess(const TriangleMesh& mesh, PointSet reference, const AssessOptions& options, Progress& progress);
+
+/// All of it in lines for people.
+std::vector<std::string> summary_of(const AssessReport& report);
 
 }  // namespace sansmesh::inline v1

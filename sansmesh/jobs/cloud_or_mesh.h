@@ -36,6 +36,8 @@ struct CloudOrMesh {
   /// In the coordinates of the file.
   Box3 bounds() const;
   const AttributeTable& attributes() const { return is_mesh ? mesh.attributes : points.attributes; }
+  /// ", with normals, colours, intensity and 3 more": what there is but for what is lost.
+  std::string belongings(const std::vector<std::string>& lost) const;
   /// Its vertices alone.
   void make_points();
 };

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "sansmesh/affine_map.h"
@@ -12,10 +14,13 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
 enum class MapSide : std::uint8_t { part, reference };
+/// In the order of the enumerators.
+inline constexpr std::string_view kSideWords[] = {"part", "reference"};
 
 struct CompareOptions {
   DistanceMapOptions map = {};  ///< its `reversed` follows from `on`
@@ -33,9 +38,13 @@ struct CompareOptions {
 };
 
 struct CompareReport {
-  double diagonal = 0;  ///< of the reference
+  MapSide on = MapSide::part;       ///< as used
+  std::optional<double> tolerance;  ///< as asked for (length)
+  double diagonal = 0;              ///< of the reference
   std::optional<SurfaceAlignment> alignment;
   AffineMap motion;  ///< of the part, if it was aligned
+
+  static const ReportSchema& schema();
 };
 
 struct CompareResult {
@@ -45,11 +54,20 @@ struct CompareResult {
   /// Those of align; "edges_stay_long": refining would take too many triangles; "coarse": only corners of large
   /// triangles are compared; "no_sign": the other side is points without normals.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();
 };
 
 /// Statistics and colours of signed distances, positive outside of the reference. Throws ArgumentError for bad options,
 /// and where a function is to be moved; DataError that begins with a name; Cancelled.
 CompareResult compare(const AnySurface& part, const AnySurface& reference, const CompareOptions& options,
                       Progress& progress);
+
+/// How the part was moved, statistics and what was left out, in lines for people. `other`: name of what it was compared
+/// with.
+std::vector<std::string> summary_of(const CompareResult& compared, const CompareOptions& options,
+                                    const std::string& other);
+/// The distribution of the distances as bars.
+std::vector<std::string> histogram_of(const DistanceMap& map);
 
 }  // namespace sansmesh::inline v1

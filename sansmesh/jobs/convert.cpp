@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
+#include "sansmesh/io.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -14,10 +15,18 @@ namespace {
 /// Does a step; what is to be said comes back.
 struct DoStep {
   CloudOrMesh& data;
+  const std::string& unit;  ///< of the input
+  AboutStep about_now = {};
 
   std::string about(const AffineMap& map, const std::optional<Vec3>& place, bool center) const {
-    if (center) return move_all(data, map.about(data.bounds().center()));
-    return move_all(data, place ? map.about(*place) : map);
+    const AboutStep own{place, center}, &used = place || center ? own : about_now;
+    if (used.center) return move_all(data, map.about(data.bounds().center()));
+    return move_all(data, used.place ? map.about(*used.place) : map);
+  }
+
+  std::string operator()(const AboutStep& s) {
+    about_now = s;
+    return {};
   }
 
   std::string operator()(const TransformStep& s) const { return move_all(data, s.inverse ? s.map.inverse() : s.map); }
@@ -36,7 +45,7 @@ struct DoStep {
     return move_all(data, axes_map(s.to == StepUp::z ? "x,-z,y" : "x,z,-y"));
   }
   std::string operator()(const UnitStep& s) const {
-    const double factor = meters_of_unit(s.from) / meters_of_unit(s.to);
+    const double factor = meters_of_unit(s.from.empty() ? unit : s.from) / meters_of_unit(s.to);
     return move_all(data, AffineMap::scaling({factor, factor, factor}));
   }
   std::string operator()(const CropStep& s) const { return crop_to_box(data, s.box, s.inside); }
@@ -51,12 +60,12 @@ struct DoStep {
 /// "`crop` leaves nothing …".
 std::string in_accents(std::string_view name) { return "`" + std::string(name) + "`"; }
 
-ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step) {
+ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step, DoStep& how) {
   ConvertedBy done{.step = step_name(step), .remark = {}, .triangles = {}};
   const Box3 box = data.bounds();
   const std::string before = data.size_words();
   try {
-    done.remark = std::visit(DoStep{data}, step);
+    done.remark = std::visit(how, step);
   } catch (const DataError& error) {
     const std::string cause = error.what();
     const bool sentence = cause.starts_with("a ") || cause.starts_with("there ");
@@ -75,13 +84,53 @@ ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step) {
 
 const OptionSchema& ConvertOptions::schema() {
   using O = ConvertOptions;
-  static constexpr OptionRow rows[] = {option<&O::points>({.text = "Of a mesh the vertices alone"})};
-  static constexpr OptionSchema schema{rows};
+  static const OptionRow rows[] = {
+      option<&O::points>({.text = "Of a mesh the vertices alone"}),
+      option<&O::unit>(
+          {.text = "Of the input's lengths, for `to_unit`: um, mm, cm, m, km, in, ft or us-ft", .unit = "unit"}),
+      option_steps<&O::steps>(convert_step_rows())};
+  static const OptionSchema schema{rows};
   return schema;
 }
 
 void ConvertOptions::validate() const {
-  for (const ConvertStep& step : steps) validate_step(step);
+  if (!unit.empty()) meters_of_unit(unit);
+  std::size_t units = 0;
+  bool about_waits = false;
+  for (const ConvertStep& step : steps) {
+    validate_step(step);
+    if (const auto* const to = std::get_if<UnitStep>(&step)) units += to->from.empty();
+    if (std::holds_alternative<AboutStep>(step)) about_waits = true;
+    if (std::holds_alternative<RotateStep>(step) || std::holds_alternative<ScaleStep>(step)) about_waits = false;
+  }
+  if (units > 1) throw ArgumentError("`to_unit` is given twice");
+  if ((units == 0) != unit.empty())
+    throw ArgumentError("`unit` and `to_unit` belong together: from which unit to which");
+  if (about_waits) throw ArgumentError("`about` is for `rotate` and `scale` after it, and none follows");
+}
+
+void check_converted(const std::string& file, bool as_points) {
+  const bool mesh = is_written(file, "mesh"), points = is_written(file, "points");
+  if (!mesh && !points && is_read(file))
+    throw FileError(file, "this format is read, not written; .ply, .vtp, .las and .csv hold whatever it does");
+  check_writable(file, mesh && !(as_points && points) ? "mesh" : "points");
+}
+
+std::vector<Note> fit_to_format(CloudOrMesh& data, const std::string& file) {
+  std::vector<Note> notes;
+  if (data.is_mesh && !is_written(file, "mesh")) {
+    notes.push_back(
+        {.code = "no_faces",
+         .text = fmt::format("holds points only: {} left out", counted(data.mesh.triangles.size(), "triangle")),
+         .remedy = {},
+         .of = file});
+    data.make_points();
+  }
+  if (!data.is_mesh && !is_written(file, "points"))
+    throw FileError(file,
+                    "is of a format for meshes, and there are only points; a reconstruction makes a mesh of them, "
+                    ".ply .obj .xyz .csv .pcd .vtp .las hold points");
+  return notes;
 }
 
 ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& progress) {
@@ -91,9 +140,10 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
   result.report.size_words = data.size_words();
   result.report.size = data.size(), result.report.triangles = data.mesh.triangles.size();
   if (options.points) data.make_points();
+  DoStep how{data, options.unit};
   for (const ConvertStep& step : options.steps) {
     progress.begin(std::string(step_name(step)));
-    result.report.steps.push_back(do_step(data, step));
+    result.report.steps.push_back(do_step(data, step, how));
   }
   if (data.nonmanifold_edges_of_weld > 0)
     result.notes.push_back(
@@ -107,6 +157,43 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
                                                 printable(fmt::format("{}", fmt::join(data.unturned, ", ")))),
                             .remedy = {}});
   return result;
+}
+
+namespace {
+
+constexpr ReportRow kConvertedByRows[] = {
+    reported<[](const ConvertedBy& r) { return std::string(r.step); }>({.name = "step", .text = "Step"}),
+    reported<[](const ConvertedBy& r) { return told_if(!r.triangles, r.size); }>(
+        {.name = "points", .text = "Points that there are after it"}),
+    reported<[](const ConvertedBy& r) { return told_if(r.triangles.has_value(), r.size); }>(
+        {.name = "vertices", .text = "Vertices that there are after it"}),
+    reported<&ConvertedBy::triangles>({.text = "Triangles that there are after it"}),
+    reported<[](const ConvertedBy& r) { return told_if(!r.remark.empty(), r.remark); }>(
+        {.name = "remark", .text = "What became of the data, in words"})};
+
+}  // namespace
+
+const ReportSchema& ConvertedBy::schema() {
+  static constexpr ReportSchema schema{kConvertedByRows};
+  return schema;
+}
+
+namespace {
+
+constexpr ReportRow kConvertReportRows[] = {
+    reported<[](const ConvertReport& r) { return told_if(r.triangles == 0, r.size); }>(
+        {.name = "input.points", .text = "Points that came"}),
+    reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.size); }>(
+        {.name = "input.vertices", .text = "Vertices that came"}),
+    reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.triangles); }>(
+        {.name = "input.triangles", .text = "Triangles that came"}),
+    reported<&ConvertReport::steps>({.text = "Steps, one after the other"})};
+
+}  // namespace
+
+const ReportSchema& ConvertReport::schema() {
+  static constexpr ReportSchema schema{kConvertReportRows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -15,6 +16,12 @@
 
 namespace sansmesh::inline v1 {
 
+/// What follows turns and scales about this, unless it says so itself: "about".
+struct AboutStep {
+  std::optional<Vec3> place = {};  ///< default: 0
+  bool center = false;             ///< the middle of the box as it then is
+  static const OptionSchema& schema();
+};
 /// By a map or its inverse: "transform", "inverse_transform".
 struct TransformStep {
   AffineMap map = {};
@@ -58,7 +65,8 @@ struct UpStep {
 };
 /// Units of lengths, of before and after: um, mm, cm, m, km, in, ft, us-ft: "to_unit".
 struct UnitStep {
-  std::string from = "m", to = "m";
+  std::string from = {};  ///< default: ConvertOptions::unit
+  std::string to = "m";
   static const OptionSchema& schema();
 };
 /// What lies in the box, or outside of it; meshes are cut along it: "crop", "crop_out".
@@ -99,8 +107,12 @@ struct FlipStep {
   static const OptionSchema& schema();
 };
 
-using ConvertStep = std::variant<TransformStep, TranslateStep, CenterStep, RotateStep, ScaleStep, AxesStep, UpStep,
-                                 UnitStep, CropStep, SpacingStep, CountStep, EveryStep, ChooseStep, WeldStep, FlipStep>;
+using ConvertStep =
+    std::variant<AboutStep, TransformStep, TranslateStep, CenterStep, RotateStep, ScaleStep, AxesStep, UpStep, UnitStep,
+                 CropStep, SpacingStep, CountStep, EveryStep, ChooseStep, WeldStep, FlipStep>;
+
+/// What may be done, as the options of a list of steps.
+std::span<const OptionRow> convert_step_rows();
 
 /// "crop_out".
 std::string_view step_name(const ConvertStep& step);

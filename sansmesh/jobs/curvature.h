@@ -9,6 +9,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/surface/curvature_colors.h"
 
 namespace sansmesh::inline v1 {
@@ -26,12 +27,15 @@ struct CurvatureMapOptions {
 };
 
 struct CurvatureReport {
+  CurvatureColorOptions::Quantity color_by = CurvatureColorOptions::Quantity::mean;  ///< as used
   bool mesh = false;                    ///< the curvatures are those of a mesh's vertices
   double noise = 0;                     ///< length
   std::size_t undefined = 0;            ///< samples without enough neighbours: zero
   double q05 = 0, median = 0, q95 = 0;  ///< of the quantity that is shown
   double color_range = 0;               ///< the value that gets the full colour
   bool beyond_range = false;            ///< some are larger
+
+  static const ReportSchema& schema();
 };
 
 struct CurvatureResult {

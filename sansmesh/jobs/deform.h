@@ -28,6 +28,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/volume_field.h"
@@ -36,6 +37,8 @@ namespace sansmesh::inline v1 {
 
 /// A cloud, a mesh, sections of a solid, a lattice, or a picture.
 using DeformedPose = std::variant<PointSet, TriangleMesh, std::vector<Section>, GridBlock, Image>;
+/// Writes a pose; `unit` (mm, cm, in) makes drawings of sections true to scale. Throws FileError.
+void write_pose(const std::string& file, const DeformedPose& pose, bool ascii, const std::string& unit);
 /// Called once for each pose, in their order.
 using UsePose = std::function<void(int pose, const DeformedPose& deformed)>;
 
@@ -43,14 +46,16 @@ struct DeformReport {
   FoldReport folds;  ///< of the pose that is folded most
   // Of the last pose:
   std::size_t vertices = 0, triangles = 0;
-  MeshDeformReport mesh;      ///< of clouds and meshes
-  OpenMeshReport cut;         ///< of meshes
-  bool mesh_of_open = false;  ///< a function whose surface bounds no solid: its mesh was deformed
+  MeshDeformReport mesh;              ///< of clouds and meshes
+  std::optional<OpenMeshReport> cut;  ///< of meshes with cuts
+  bool mesh_of_open = false;          ///< a function whose surface bounds no solid: its mesh was deformed
   std::optional<CsgMeshReport> solid;
   std::vector<Section> sections;
   std::array<std::size_t, 3> size{};  ///< of a lattice
   double inside = 1;                  ///< share of its points that are in the volume
   std::uint64_t rays = 0, evaluations = 0;
+
+  static const ReportSchema& schema();
 };
 
 struct DeformResult {
@@ -76,6 +81,8 @@ struct DeformableVolume {
   std::shared_ptr<const SampledVolume> samples;
   std::vector<std::shared_ptr<const VolumeField>> fields;  ///< one at least; pictures show the first
   std::vector<std::string> arrays;                         ///< their names
+
+  static const ReportSchema& schema();
 };
 
 /// Of a volume the array that it was opened with, for pictures as a scalar, or `all` arrays of the same samples. Throws

@@ -11,6 +11,7 @@
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/handles.h"
 #include "sansmesh/deform/occluder.h"
+#include "sansmesh/report.h"
 #include "sansmesh/space_map.h"
 #include "sansmesh/triangle_mesh.h"
 
@@ -48,6 +49,8 @@ class Deformation {
   const MlsDeformationOptions& options() const { return options_; }
   /// "15 handles, rigid", "by a displacement map"
   std::string words() const;
+
+  static const ReportSchema& schema();
 
  private:
   std::string name_;

@@ -10,6 +10,7 @@
 #include "sansmesh/image.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -21,12 +22,17 @@ struct ListedPlace {
 
   /// "coverage down to 0.12"
   std::string worst_words() const;
+
+  static const ReportSchema& schema();
 };
 
 struct DiagnoseResult {
+  std::size_t fits = 0;  ///< of the function
   Diagnosis diagnosis;
   std::vector<ListedPlace> places;
   std::vector<Edit> edits;  ///< to try, one for each place that has a step
+
+  static const ReportSchema& schema();
 };
 
 /// By diagnose_function. Throws ArgumentError for bad options, DataError where the function has no surface; Cancelled.

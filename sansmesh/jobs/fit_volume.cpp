@@ -29,4 +29,17 @@ FitVolumeResult fit_volume(VolumeModel& volume, const FitVolumeOptions& options,
   return result;
 }
 
+namespace {
+
+constexpr ReportRow kFitVolumeReportRows[] = {
+    reported<&FitVolumeReport::by_degree>({.text = "Polynomials of each degree"}),
+    reported<&FitVolumeReport::samples>({.name = "output.samples", .text = "Samples"})};
+
+}  // namespace
+
+const ReportSchema& FitVolumeReport::schema() {
+  static constexpr ReportSchema schema{kFitVolumeReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

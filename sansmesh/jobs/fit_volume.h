@@ -9,6 +9,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -22,6 +23,8 @@ struct FitVolumeReport {
   ReconstructionReport reconstruction;
   std::size_t samples = 0;
   std::vector<std::size_t> by_degree;  ///< polynomials of degree 0, 1, …; empty for methods without coefficients
+
+  static const ReportSchema& schema();
 };
 
 struct FitVolumeResult {

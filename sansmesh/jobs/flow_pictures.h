@@ -17,6 +17,7 @@
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/volume_options.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -55,6 +56,8 @@ struct FlowPicturesResult {
   FlowSurfaceReport surface;
   int width = 0, height = 0;  ///< of each picture
   std::vector<Note> notes;    ///< those of trace_surface; "reconstruction"
+
+  static const ReportSchema& schema();
 };
 
 /// Throws ArgumentError for what the flow has not, before long work.

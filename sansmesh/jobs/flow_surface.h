@@ -9,6 +9,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -25,9 +26,12 @@ struct TraceSurfaceOptions {
 
 struct TraceSurfaceResult {
   FlowSurface surface;
+  double area = 0;  ///< of its mesh
   /// "not_finite": of seeds; "steps": of a series; "moments_meet", "too_many": what ended the surface before its end;
   /// "outside": particles that began out of the flow.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();
 };
 
 /// Throws ArgumentError for bad options, FileError for seeds of a file, DataError that begins with the flow's source;

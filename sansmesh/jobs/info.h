@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -17,15 +18,19 @@
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/sights.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
 struct AttributeInfo {
   std::string name;
-  bool of_triangles = false;
+  std::string_view of = "point";  ///< what has it: "point", "triangle" or "cell"
   NumberType type = NumberType::f32;
   /// For each component the least and the largest finite number; nothing where there is none.
   std::vector<std::optional<std::pair<double, double>>> ranges;
+  std::optional<std::size_t> not_finite = {};  ///< numbers; told of arrays of volumes
+
+  static const ReportSchema& schema();
 };
 
 /// Lengths and places in the unit of the input.
@@ -46,6 +51,8 @@ struct CloudInfo {
   std::optional<std::array<std::size_t, 256>> classes;
   std::size_t triangles = 0;         ///< of the file
   std::optional<MeshTopology> mesh;  ///< of what has some, sewn where its borders lie on each other
+
+  static const ReportSchema& schema();
 };
 
 /// Throws Cancelled.
@@ -66,8 +73,18 @@ struct FunctionInfo {
   double deviation = 0;  ///< of the samples from the surface, root mean square
   double accuracy = 0;   ///< expected error of the surface
   std::vector<std::string> history;
+
+  static const ReportSchema& schema();
 };
 
 FunctionInfo info(const SurfaceFunction& function);
+
+/// "t (double × 3 a point): 0 to 1, 2 to 3, …".
+std::string array_words(const AttributeInfo& array);
+/// "from (0, 0, 0) to (1, 2, 3)", to ten digits.
+std::string box_words(const Box3& box);
+/// All of it in lines for people.
+std::vector<std::string> summary_of(const CloudInfo& info);
+std::vector<std::string> summary_of(const FunctionInfo& info);
 
 }  // namespace sansmesh::inline v1

@@ -10,6 +10,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -29,6 +30,8 @@ struct VolumeIsosurfaceReport {
   ReconstructionReport reconstruction;
   double value = 0;
   IsosurfaceReport mesh;
+
+  static const ReportSchema& schema();
 };
 
 struct VolumeIsosurfaceResult {

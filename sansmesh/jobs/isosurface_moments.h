@@ -11,6 +11,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -27,6 +28,8 @@ struct IsosurfaceMoment {
   std::size_t vertices = 0, triangles = 0, components = 0;
   bool closed = true;
   double area = 0, volume = 0;
+
+  static const ReportSchema& schema();
 };
 
 struct IsosurfaceMomentsReport {
@@ -35,6 +38,8 @@ struct IsosurfaceMomentsReport {
   std::size_t blocks = 0;
   double cell = 0, time_cell = 0;
   std::vector<IsosurfaceMoment> moments;
+
+  static const ReportSchema& schema();
 };
 
 struct IsosurfaceMomentsResult {

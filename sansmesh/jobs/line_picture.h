@@ -11,6 +11,7 @@
 #include "sansmesh/polyline_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -38,6 +39,8 @@ struct LinePicture {
   std::string color_by;  ///< the array
   double lower = 0, upper = 0, radius = 0;
   std::size_t triangles = 0;
+
+  static const ReportSchema& schema();
 };
 
 /// Radius of the tubes that lines are drawn as: the given one, or 1/400 of their diagonal. Throws DataError where all

@@ -1,6 +1,7 @@
 // Area, volume, centre of mass, moments and size of a solid and of its parts.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "sansmesh/jobs/any_surface.h"
@@ -22,5 +23,8 @@ struct MeasureResult {
 /// Of a function or isosurface its mesh is measured. Throws DataError of points, and if no triangle has an area;
 /// Cancelled.
 MeasureResult measure(const AnySurface& surface, Progress& progress);
+
+/// All but the parts beyond the twentieth, in lines for people.
+std::vector<std::string> summary_of(const SolidMeasures& measures);
 
 }  // namespace sansmesh::inline v1

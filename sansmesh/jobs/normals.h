@@ -13,6 +13,7 @@
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/sights.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -34,6 +35,8 @@ struct NormalsReport {
   std::optional<OrientBy> oriented_by;  ///< from what the signs were taken
   GivenNormals check;                   ///< of what was made
   std::size_t unknown = 0;              ///< samples without a normal: zero
+
+  static const ReportSchema& schema();
 };
 
 struct NormalsResult {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -28,8 +29,8 @@ struct PictureObject {
 };
 
 enum class ObjectKind : std::uint8_t { mesh, points, lines, function };
-/// "mesh", …
-const char* object_word(ObjectKind kind);
+/// In the order of the enumerators.
+inline constexpr std::string_view kObjectWords[] = {"mesh", "points", "lines", "function"};
 
 /// The attribute, and what `color_by` calls it.
 inline constexpr const char* kConfidence = "confidence";

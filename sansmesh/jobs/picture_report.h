@@ -12,6 +12,7 @@
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/note.h"
 #include "sansmesh/render/surface_caster.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -20,6 +21,8 @@ struct DrawnObject {
   std::string title;
   std::string color;  ///< "#rrggbb", or "own"
   double opacity = 1;
+
+  static const ReportSchema& schema();
 };
 
 struct RenderReport {
@@ -27,6 +30,8 @@ struct RenderReport {
   std::optional<SurfaceReport> surface;  ///< where a surface is drawn without a mesh
   std::optional<CastCounts> rays;        ///< of that
   std::optional<std::size_t> splats;     ///< in place of rays
+
+  static const ReportSchema& schema();
 };
 
 struct RenderResult {

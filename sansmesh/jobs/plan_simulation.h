@@ -13,6 +13,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
+#include "sansmesh/report.h"
 #include "sansmesh/tet_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -56,6 +57,8 @@ struct SimulationPlan {
   std::size_t frame_steps = 0;  ///< steps from frame to frame
   /// "mean_material": several materials, their mean is taken; "no_material": cells without one; "unit": it is guessed.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();
 };
 
 /// What the options and the scene say together, and for what neither says: materials of the cells (arrays `density`,

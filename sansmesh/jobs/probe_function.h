@@ -10,20 +10,30 @@
 #include "sansmesh/function/surface_function.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
 struct ProbeFunctionReport {
+  std::size_t points = 0;
   std::size_t inside = 0;
   // Of the distances from the surface, about (length).
   double mean = 0, median = 0, largest = 0;
   double largest_gradient = 0;
+
+  static const ReportSchema& schema();
+};
+
+struct ProbedPlace : LevelSetPoint {
+  Vec3 at;
+
+  static const ReportSchema& schema();
 };
 
 struct ProbeFunctionResult {
   /// A place each: about the distance to the surface, negative inside, and the level set through the place; in the unit
   /// of the input.
-  std::vector<LevelSetPoint> values;
+  std::vector<ProbedPlace> values;
   ProbeFunctionReport report;
 
   /// As the attributes value, gradient_x, gradient_y, gradient_z, k1 and k2.

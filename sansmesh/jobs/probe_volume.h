@@ -10,6 +10,7 @@
 #include "sansmesh/jobs/volume_model.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -17,6 +18,8 @@ namespace sansmesh::inline v1 {
 struct ProbeReport {
   ReconstructionReport reconstruction;
   std::size_t inside = 0;  ///< points in the volume
+
+  static const ReportSchema& schema();
 };
 
 /// Of point i and component c the value stands at i * names.size() + c.
@@ -34,6 +37,20 @@ struct ProbeResult {
 /// The array that the volume was opened with. Points that are not finite are outside. Throws as VolumeModel::field,
 /// Cancelled.
 ProbeResult probe_volume(VolumeModel& volume, std::span<const Vec3> points, Progress& progress);
+
+/// One component at a point.
+struct ProbedValue {
+  Vec3 at;
+  std::string name;
+  double value = 0;
+  Vec3 gradient;
+  bool inside = false;
+
+  static const ReportSchema& schema();
+};
+
+/// A point after the other, and of each its components.
+std::vector<ProbedValue> probed_values(const ProbeResult& probed);
 
 /// A row a point: x,y,z,NAME,NAME_dx,NAME_dy,NAME_dz,inside.
 std::string probe_table(const ProbeResult& probed);

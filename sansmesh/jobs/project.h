@@ -13,6 +13,7 @@
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/surface/lop.h"
 
 namespace sansmesh::inline v1 {
@@ -47,6 +48,8 @@ struct ProjectReport {
   std::string method;  ///< by name, as it was chosen
   /// How far points moved, unless new ones were spread; of lop only how many there are.
   SurfaceProjection moved;
+
+  static const ReportSchema& schema();
 };
 
 struct ProjectResult {

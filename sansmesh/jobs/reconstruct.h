@@ -13,6 +13,7 @@
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -45,6 +46,8 @@ struct ReconstructReport : MeshReport {
   /// Of the function: share of the surface that bounds no solid, and the mean winding number behind the samples from
   /// which that was decided (PartitionReport). 0 and 1 for other surfaces.
   double open_share = 0, behind = 1;
+
+  static const ReportSchema& schema();
 };
 
 struct ReconstructResult {
@@ -58,5 +61,8 @@ struct ReconstructResult {
 /// Throws DataError where the points cannot be reconstructed (fewer than 9, all coincident, collinear or in a plane),
 /// ArgumentError for bad options.
 ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress);
+
+/// How the surface was made, in lines for people.
+std::vector<std::string> summary_of(const ReconstructReport& report, const ReconstructOptions& options);
 
 }  // namespace sansmesh::inline v1

@@ -1,6 +1,8 @@
 // A volume on a uniform grid.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <vector>
 
 #include "sansmesh/dataset/resample_volume.h"
@@ -8,12 +10,16 @@
 #include "sansmesh/jobs/volume_model.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
 struct ResampleReport {
   ReconstructionReport reconstruction;
-  double inside = 0;  ///< share of the values that lie in the volume
+  std::array<std::size_t, 3> size{};  ///< values along the axes
+  double inside = 0;                  ///< share of the values that lie in the volume
+
+  static const ReportSchema& schema();
 };
 
 struct ResampleResult {

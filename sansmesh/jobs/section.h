@@ -11,6 +11,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -40,6 +41,8 @@ struct SectionResult {
   SectionReport report;
   /// "open_curves": the surface has borders there.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();
 };
 
 /// Of a function the curves of the function itself, without a mesh. Throws ArgumentError for bad options, and for a

@@ -9,6 +9,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -35,6 +36,8 @@ struct SimplifyReport {
   double least_shape = 0;                   ///< as asked of the triangles made
   /// How far off the best shapes are (length), where worse ones are nearer and were taken.
   std::optional<double> farthest_by_shape;
+
+  static const ReportSchema& schema();
 };
 
 struct SimplifyResult {

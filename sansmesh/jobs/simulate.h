@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "sansmesh/dynamics/soft_body.h"
@@ -11,6 +12,7 @@
 #include "sansmesh/jobs/plan_simulation.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -29,7 +31,14 @@ struct SimulateReport {
   double seconds = 0;  ///< that it took
   BodyEnergies first, last;
   std::vector<SimulationMoment> moments;  ///< at rest, and where they are asked for after each step
+
+  static const ReportSchema& schema();
+  /// A table (CSV) of all moments: energies, iterations, contacts.
+  std::string table() const;
 };
+
+/// What was simulated and how long that took, in lines for people.
+std::vector<std::string> summary_of(const SimulationPlan& plan, const SimulateReport& report);
 
 struct SimulateResult {
   std::shared_ptr<const Motion> motion;

@@ -1,6 +1,7 @@
 // Noise taken off a mesh.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "sansmesh/mesh/smooth_mesh.h"
@@ -20,5 +21,8 @@ struct SmoothResult {
 /// The mesh by Taubin's filter, or with `creases` by bilateral normals (smooth_mesh); its triangles stay. Throws
 /// ArgumentError for bad options, Cancelled.
 SmoothResult smooth(TriangleMesh mesh, const SmoothOptions& options, Progress& progress);
+
+/// How far vertices moved, and what that did to area and volume, in lines for people.
+std::vector<std::string> summary_of(const SmoothReport& report);
 
 }  // namespace sansmesh::inline v1

@@ -11,6 +11,7 @@
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -28,6 +29,8 @@ struct SolidModel {
   std::shared_ptr<const SurfaceFunction> whole_function() const;
   /// "open": functions whose surface bounds no solid.
   std::vector<Note> open_notes() const;
+
+  static const ReportSchema& schema();
 };
 
 /// Whether so much of a function's surface bounds no solid that a user should know.

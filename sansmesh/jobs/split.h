@@ -9,6 +9,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -30,6 +31,8 @@ struct SplitResult {
   /// "small_parts": parts that were left out; "soup": hardly any triangles share a vertex; "loose_points": vertices of
   /// no triangle were left out.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();
 };
 
 /// Connected parts. Throws ArgumentError for bad options, DataError where none is large enough or there are too many,

@@ -97,4 +97,42 @@ MeshInVolume mesh_of_surface(const VolumeModel& volume, const SurfaceInVolume& s
   return result;
 }
 
+namespace {
+
+constexpr ReportRow kMeshInVolumeReportRows[] = {
+    reported<&MeshInVolumeReport::area>({.text = "Area of the mesh", .unit = "length²"}),
+    reported<&MeshInVolumeReport::volume>({.text = "Volume of the mesh, where it is closed", .unit = "length³"}),
+    reported<[](const MeshInVolumeReport& r) { return r.mesh.components; }>(
+        {.name = "output.components", .text = "Connected parts of the mesh"}),
+    reported<[](const MeshInVolumeReport& r) { return r.volume.has_value(); }>(
+        {.name = "output.closed", .text = "Whether the mesh is closed"})};
+
+}  // namespace
+
+const ReportSchema& MeshInVolumeReport::schema() {
+  static constexpr ReportSchema schema{kMeshInVolumeReportRows};
+  return schema;
+}
+
+namespace {
+
+bool is_steep(const SurfaceInVolume& made) {
+  return made.surface.options().kind == VolumeSurfaceOptions::Kind::high_gradient;
+}
+
+constexpr ReportRow kSurfaceInVolumeRows[] = {
+    reported<[](const SurfaceInVolume& r) { return told_if(!is_steep(r), r.value); }>(
+        {.name = "value", .text = "Value of the surface", .unit = "unit of the array"}),
+    reported<[](const SurfaceInVolume& r) { return r.surface.report(); }>(
+        {.name = "surface", .text = "Surface, and the samples that it follows from"}),
+    reported<[](const SurfaceInVolume& r) { return is_steep(r) ? "high-gradient" : "isovalue"; }>(
+        {.name = "surface.kind", .text = "Kind of the surface"})};
+
+}  // namespace
+
+const ReportSchema& SurfaceInVolume::schema() {
+  static constexpr ReportSchema schema{kSurfaceInVolumeRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

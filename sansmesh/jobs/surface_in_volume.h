@@ -10,6 +10,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -28,6 +29,8 @@ struct SurfaceInVolume {
   double value = 0;       ///< of the array; of high gradient none
   /// "resolved": the values are so smooth that an isosurface of the reconstruction is nearer.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();
 };
 
 /// Of the array that the volume was opened with: of a component, or lengths of vectors. Throws ArgumentError for bad
@@ -49,6 +52,8 @@ struct MeshInVolumeReport {
   MeshReport mesh;
   double area = 0;
   std::optional<double> volume;  ///< enclosed, where the mesh is closed
+
+  static const ReportSchema& schema();
 };
 
 struct MeshInVolume {

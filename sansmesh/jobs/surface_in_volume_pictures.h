@@ -16,6 +16,7 @@
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/render/surface_picture.h"
 #include "sansmesh/render/transfer_function.h"
+#include "sansmesh/report.h"
 #include "sansmesh/surface/curvature_colors.h"
 
 namespace sansmesh::inline v1 {
@@ -34,11 +35,14 @@ struct SurfaceInVolumeLook {
 
 /// The quantity that the colours show.
 struct ShownColors {
+  std::string array;  ///< empty of curvatures
   std::optional<CurvatureColorOptions::Quantity> curvature;
   double range = 0;  ///< of the curvature that gets the full colour, in lengths of the input
   /// Of an array: its colours, and whether it has values below and above theirs on the surface.
   TransferFunction colors;
   BarEnds ends;
+
+  static const ReportSchema& schema();
 };
 
 /// Built once; then pictures from anywhere.

@@ -10,6 +10,7 @@
 #include "sansmesh/advise/advise_volume.h"
 #include "sansmesh/jobs/volume_model.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -22,6 +23,8 @@ struct VolumeAdvice {
   std::string flow;   ///< the array of vectors; empty if there is none
   /// Ends of a line across the flow, through the middle of the box, that surfaces of the flow may start from.
   std::optional<std::array<Vec3, 2>> seeds;
+
+  static const ReportSchema& schema();
 };
 
 /// Throws DataError where there is neither an array nor a body, Cancelled.

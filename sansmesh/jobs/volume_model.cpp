@@ -129,6 +129,17 @@ ReconstructionOptions VolumeModel::options_for(const std::string& array, Progres
   return options;
 }
 
+VolumeUse VolumeModel::use(Progress& progress) {
+  const std::shared_ptr<const SampledVolume> used = samples(progress);
+  return {.format = dataset_.format(),
+          .array = choice_.array,
+          .method = report_.options.method.value_or(""),
+          .why = report_.why,
+          .samples = used->size(),
+          .grid = used->facts.grid,
+          .notes = report_.notes};
+}
+
 void VolumeModel::keep_report(const ReconstructionReport& report, const ReconstructionOptions& asked) {
   if (std::exchange(reported_, true)) return;
   report_ = report;
@@ -209,6 +220,26 @@ double VolumeModel::middle_value() const {
   if (std::isnan(a.least[c]))
     throw DataError(fmt::format("{}: array '{}' has no finite value", printable(name_, 200), printable(a.name, 60)));
   return 0.5 * (a.least[c] + a.most[c]);
+}
+
+namespace {
+
+constexpr ReportRow kVolumeUseRows[] = {
+    reported<&VolumeUse::format>({.text = "Format of the file"}),
+    reported<&VolumeUse::array>({.text = "Array"}),
+    reported<[](const VolumeUse& r) { return told_if(!r.method.empty(), r.method); }>(
+        {.name = "method", .text = "Method of reconstruction"}),
+    reported<[](const VolumeUse& r) { return told_if(!r.why.empty(), r.why); }>(
+        {.name = "why", .text = "Reason for that, where it was chosen"}),
+    reported<&VolumeUse::samples>({.text = "Samples"}),
+    reported<&VolumeUse::grid>({.text = "Grid, in words"}),
+    reported<&VolumeUse::notes>({.text = "What there is to know of the values"})};
+
+}  // namespace
+
+const ReportSchema& VolumeUse::schema() {
+  static constexpr ReportSchema schema{kVolumeUseRows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

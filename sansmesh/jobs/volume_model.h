@@ -14,6 +14,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/volume/choose_reconstruction.h"
 #include "sansmesh/volume_read_options.h"
 
@@ -30,6 +31,17 @@ struct VolumeModelOptions {
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
+};
+
+/// A volume as it was used.
+struct VolumeUse {
+  std::string format, array;
+  std::string method, why;  ///< of reconstruction, and the reason if the library chose it; empty without one
+  std::size_t samples = 0;
+  std::string grid;                ///< in words
+  std::vector<std::string> notes;  ///< on the values
+
+  static const ReportSchema& schema();
 };
 
 /// Fields are made when they are asked for, and kept. Not safe from several threads. Errors of the data are thrown as
@@ -79,6 +91,8 @@ class VolumeModel {
   std::shared_ptr<const Isosurface> isosurface(double value, Progress& progress, std::vector<Note>& notes);
   /// Of the first field that was made: by which method, and why if the library chose it.
   const ReconstructionReport& report() const { return report_; }
+  /// All of that with its samples.
+  VolumeUse use(Progress& progress);
 
   /// Value of sample i of the array as chosen (its magnitude, where a vector is asked for as a whole). Samples must
   /// have been asked for.

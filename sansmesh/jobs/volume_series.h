@@ -8,6 +8,7 @@
 #include "sansmesh/jobs/volume_model.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -16,6 +17,8 @@ struct VolumeSeries {
   std::vector<double> times;       ///< of the steps
   std::string name;                ///< of the files
   std::vector<Note> notes;         ///< of reading, of all steps
+
+  static const ReportSchema& schema();
 };
 
 /// All steps of a file, or several files one after the other. `times`: of files, each, or the first and the step

@@ -9,6 +9,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/measure/smallest_box.h"
 #include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vec.h"
 
@@ -43,6 +44,8 @@ struct BodyMeasures {
   int surrounding = 0;
   /// Its volume is neither that of a solid that stands free nor that of a cavity in one.
   bool misplaced() const { return mass && surrounding != (mass->volume < 0 ? 1 : 0); }
+
+  static const ReportSchema& schema();
 };
 
 struct SolidMeasures {
@@ -55,6 +58,8 @@ struct SolidMeasures {
   std::size_t left_out = 0;
   std::size_t crossing_pairs = 0;       ///< pairs of triangles that cut through each other
   std::size_t crossing_components = 0;  ///< components that cut through another one
+
+  static const ReportSchema& schema();
 };
 
 /// Of the sewn mesh (sewn_mesh.h). Volume, centre and moments by the divergence theorem, exactly for the

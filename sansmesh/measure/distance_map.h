@@ -11,6 +11,7 @@
 #include "sansmesh/measure/signed_distance.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -47,6 +48,8 @@ struct DistanceStatistics {
   double below_range = 0, above_range = 0;
   double range = 0;
   bool smallest_range = false;  ///< it is the smallest, since nearly everything lies nearer
+
+  static const ReportSchema& schema();
 };
 
 struct DistanceMap {
@@ -59,6 +62,8 @@ struct DistanceMap {
   std::size_t at_border = 0;    ///< whose closest point lies on a border; left out only with skip_border
   std::size_t not_finite = 0;   ///< left out: vertices that are not finite, or that no triangle uses
   DistanceStatistics statistics;
+
+  static const ReportSchema& schema();
 };
 
 inline constexpr std::size_t kHistogramBins = 41;  ///< odd: one bin lies around 0

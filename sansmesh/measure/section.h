@@ -9,6 +9,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/measure/cut_plane.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/triangle_mesh.h"
 
@@ -31,6 +32,8 @@ struct Section {
   /// Sum over the closed curves: holes are subtracted. Negative if the surface faces inward.
   double area = 0;
   bool closed() const;  ///< whether every curve is
+
+  static const ReportSchema& schema();
 };
 
 /// Exact for the mesh. Vertices in the plane count as above it (simulation of simplicity, Edelsbrunner and Mücke 1990),

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "sansmesh/report.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -14,6 +15,8 @@ struct OrientedBox {
   std::array<Vec3, 3> axes{};     ///< orthonormal, right-handed
   std::array<double, 3> sizes{};  ///< along the axes, descending
   Vec3 center;
+
+  static const ReportSchema& schema();
 };
 
 /// The smallest box around all points that was found, exactly around them: of boxes with a side that faces in one of

@@ -9,6 +9,7 @@
 #include "sansmesh/affine_map.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vec.h"
 
@@ -83,6 +84,8 @@ struct SurfaceAlignment {
   /// Size of what moves over that of the fixed surface, as they came: distances from the middle that three quarters of
   /// their points are within.
   double size_ratio = 1;
+
+  static const ReportSchema& schema();
 };
 
 /// Finds the motion that brings samples of `moving` onto the surface of `fixed` (its triangles, or the tangent planes

@@ -4,15 +4,22 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 
 /// A closed curve along the border of a mesh. Lengths in its unit.
+/// What became of a hole.
+enum class HoleOutcome : std::uint8_t { filled, too_large, failed, end };
+/// In the order of the enumerators.
+inline constexpr std::string_view kOutcomeWords[] = {"filled", "left open", "no way across", "steep, left open"};
+
 struct HoleLoop {
   /// Vertices in the order in which triangles that fill it run: the border's own run the other way. Where vertices
   /// repeat at a place, the ones that the border has.
@@ -25,6 +32,9 @@ struct HoleLoop {
   /// How steeply the mesh leaves the plane of the loop, 0..1, on the mean: 0 of a hole in a plane, 1 of a tube that is
   /// cut off.
   double steepness = 0;
+  std::optional<HoleOutcome> outcome = {};  ///< of filling it
+
+  static const ReportSchema& schema();
 };
 
 struct HoleLoops {
@@ -32,6 +42,8 @@ struct HoleLoops {
   std::size_t border_edges = 0;       ///< of one triangle
   std::size_t stray_edges = 0;        ///< of these, in no loop: the border ends at edges that are not manifold
   std::size_t nonmanifold_edges = 0;  ///< of three triangles or more
+
+  static const ReportSchema& schema();
 };
 
 /// All loops; vertices at the same place are one. Where loops touch at a vertex, each is a loop of its own.
@@ -59,9 +71,7 @@ struct FillOptions {
 };
 
 struct FillReport {
-  enum class Outcome : std::uint8_t { filled, too_large, failed, end };
-  HoleLoops found;
-  std::vector<Outcome> outcome;  ///< of each loop
+  HoleLoops found;  ///< with what became of each
   std::size_t filled = 0, too_large = 0;
   /// No triangles go across it without an edge that is there already.
   std::size_t failed = 0;
@@ -72,6 +82,8 @@ struct FillReport {
   /// Pieces of the mesh whose middle lies near a filling (nearer than a quarter of the hole's diameter): they stay, and
   /// now lie before, behind or across it.
   std::size_t islands = 0;
+
+  static const ReportSchema& schema();
 };
 
 /// Triangulates each hole so that the largest angle between triangles, and then the area, is least [liepa2003], adds

@@ -9,6 +9,7 @@
 
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -19,6 +20,8 @@ struct FarPlaces {
   double beyond = 0;          ///< what counts as far (length)
   double share = 0;           ///< of the places that are far, 0..1
   std::optional<Vec3> most;   ///< one around which most of those lie (input); nothing where none is far
+
+  static const ReportSchema& schema();
 };
 
 /// Samples farther than this from a mesh have no surface there: two spacings, and four times the noise (lengths).
@@ -43,6 +46,8 @@ struct MeshCoverage {
   double spacing = 0, noise = 0;  ///< of the samples, as estimated (length)
   FarPlaces lost;                 ///< samples without a surface
   FarPlaces invented;             ///< surface without samples
+
+  static const ReportSchema& schema();
 };
 
 /// Both, with the spacing and noise that the samples have. `places` on the mesh, at least 1; every sample is asked.

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -25,6 +27,8 @@ struct OneWayDistance {
   /// Mean angle in degrees between the normals at a sample and its closest point: of the planes (0..90), and with
   /// regard to the normals' signs (0..180). Absent where a side is points without normals.
   std::optional<double> angle, signed_angle;
+
+  static const ReportSchema& schema();
 };
 
 struct SurfaceDistance {
@@ -41,5 +45,8 @@ struct SurfaceDistance {
 /// points.
 SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh& reference,
                                  const DistanceOptions& options, Progress& progress);
+
+/// Distances of one way with their shares of the reference's diagonal, for people.
+std::string distance_words(const OneWayDistance& distance, const SurfaceDistance& both);
 
 }  // namespace sansmesh::inline v1

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -20,6 +21,8 @@ struct MeshQuality {
   double area = 0;                 ///< length²
   /// length³, by the divergence theorem; positive if the triangles face outward. Meaningless for open meshes.
   double volume = 0;
+
+  static const ReportSchema& schema();
 };
 
 /// Deterministic for any number of threads.

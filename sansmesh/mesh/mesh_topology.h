@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -39,6 +40,8 @@ struct MeshTopology {
     if (triangles == 0 || !manifold() || !oriented()) return std::nullopt;
     return static_cast<long>(components) - (euler + static_cast<long>(boundary_loops)) / 2;
   }
+
+  static const ReportSchema& schema();
 };
 
 /// Time and memory linear in the size of the mesh, in parallel.

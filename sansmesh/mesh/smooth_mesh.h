@@ -6,6 +6,7 @@
 
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -45,6 +46,8 @@ struct SmoothReport {
   double area_before = 0, area_after = 0;
   /// Where the mesh is closed and oriented.
   std::optional<double> volume_before, volume_after;
+
+  static const ReportSchema& schema();
 };
 
 /// Taubin's filter [taubin1995]: steps to the mean of the neighbours (weights: cotangents, clamped to be positive) and

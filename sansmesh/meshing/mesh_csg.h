@@ -11,6 +11,7 @@
 #include "sansmesh/meshing/mesh_options.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -55,6 +56,8 @@ struct CsgMeshReport {
   /// Distance of the triangles' middles from the surface: its mean over the area, and the largest (length).
   double mean_error = 0, largest_error = 0;
   std::vector<std::string> warnings;
+
+  static const ReportSchema& schema();
 };
 
 /// The surface of a solid. What is minima and maxima of smooth functions (PiecewiseField::expression) has walls of any

@@ -9,6 +9,7 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/option.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -75,6 +76,8 @@ struct MeshReport {
   double lost = 0;
   std::optional<Vec3> most_lost;  ///< if that is more than one in a hundred: where most of them are
   std::vector<std::string> warnings;
+
+  static const ReportSchema& schema();
 };
 
 }  // namespace sansmesh::inline v1

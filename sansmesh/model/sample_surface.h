@@ -8,6 +8,7 @@
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -24,6 +25,8 @@ struct SurfaceProjection {
   std::size_t projected = 0;
   std::size_t left_out = 0;                              ///< outside of the domain of definition, or too far from it
   double mean_move = 0, rms_move = 0, largest_move = 0;  ///< distances (length, unit of the input)
+
+  static const ReportSchema& schema();
 };
 
 /// The surface that suits samples which are to be moved onto their own (docs/methods/projections.md has the table):

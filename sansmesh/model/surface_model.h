@@ -19,6 +19,7 @@
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/triangulation/block_tree.h"
 
@@ -30,6 +31,8 @@ struct SurfaceReport {
   double smoothing = 0;           ///< median width over the local spacing; 0 where the method has no weights
   int order = 0, iterations = 0;  ///< amls
   std::size_t samples = 0;
+
+  static const ReportSchema& schema();
 };
 
 class SurfaceModel {

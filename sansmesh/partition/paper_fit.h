@@ -21,6 +21,7 @@
 #include "sansmesh/partition/partition_of_unity.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -35,6 +36,8 @@ struct PaperReport {
   std::size_t kept = 0;        ///< with fewer than 100 samples: not subdivided since the children are worse
   std::size_t above = 0;       ///< leaves whose error is above the threshold, or with two sheets
   std::size_t balanced = 0;    ///< leaves that only balance subdivides: the mesh's blocks have their function
+
+  static const ReportSchema& schema();
 };
 
 /// Fits to points with oriented normals. Throws DataError for fewer than 4 points or a cloud without extent,

@@ -7,6 +7,7 @@
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/sights.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -18,6 +19,8 @@ struct GivenNormals {
   /// what neighbours say.
   std::optional<OrientBy> oriented_by = {};
   double looking_away = 0;
+
+  static const ReportSchema& schema();
 };
 
 /// By what is known of the sensor, or by how neighbours agree. `noise` of the points (length).

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sansmesh/point_set.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -17,6 +18,8 @@ struct NoiseEstimate {
   bool known = false;
   /// Coordinates come in steps of this height, whole neighbourhoods at the same: depths of a sensor with few digits.
   double step = 0;
+
+  static const ReportSchema& schema();
 };
 
 /// Robust estimate of the standard deviation of the samples off the surface, along its normal (unit of the input);

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/vec.h"
 #include "sansmesh/volume_field.h"
 
@@ -42,6 +43,8 @@ struct BakeReport {
   /// as fine as it where splits did not help twice in a row (values that jump), or where only places tell of the
   /// volume. False: the memory was at its end, or refine() is to go on.
   bool finished = false;
+
+  static const ReportSchema& schema();
 };
 
 /// Bricks of 8³ cells with values and gradients at the 9³ nodes, each linear in between in all three directions; the

@@ -10,6 +10,7 @@
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/render/cast_ray.h"
+#include "sansmesh/report.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/vec.h"
 
@@ -41,6 +42,8 @@ struct CastCounts {
   std::uint64_t hit_evaluations = 0;   ///< of the field or projection, for rays that hit
   std::uint64_t miss_evaluations = 0;  ///< for rays that did not
   std::uint64_t ball_queries = 0;
+
+  static const ReportSchema& schema();
 };
 
 /// Built once, then asked from any thread. Both sides of a surface count. The surface exists only inside the balls and

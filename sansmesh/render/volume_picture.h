@@ -14,6 +14,7 @@
 #include "sansmesh/render/picture_scene.h"
 #include "sansmesh/render/value_histogram.h"
 #include "sansmesh/render/volume_options.h"
+#include "sansmesh/report.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/volume_field.h"
@@ -53,6 +54,8 @@ struct VolumePictureReport {
   /// What steps of half the length would change, on one pixel in 256: mean and largest difference of a channel, in
   /// levels of 0..255. This is the error of the steps, apart from that of the field. Not found for `check_steps` false.
   double step_error_mean = 0, step_error_most = 0;
+
+  static const ReportSchema& schema();
 };
 
 /// Built once for a volume; then pictures of it from anywhere, with any transfer function.
