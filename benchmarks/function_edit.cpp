@@ -14,7 +14,7 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/update_mesh.h"
 #include "sansmesh/io.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 
 namespace {
 
@@ -46,7 +46,7 @@ void run(const std::string& file, int rounds) {
   const PointSet cloud = read_points(file);
   Progress progress;
   Time start = now();
-  const SurfaceFunction function = fit_surface_function(cloud, {}, progress);
+  const FittedFunction function = fit_surface_function(cloud, {}, progress);
   const Time fit = now() - start;
   start = now();
   const TriangleMesh mesh = mesh_function(function, {}, progress);

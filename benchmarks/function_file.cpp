@@ -18,9 +18,9 @@
 #include <string>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io.h"
 
 using namespace sansmesh;
@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
   const double load = seconds_of([&] { points = argc > 1 ? read_points(argv[1]) : ball(400000); });
   const std::size_t samples = points.size();
   Progress progress;
-  std::optional<SurfaceFunction> function;
+  std::optional<FittedFunction> function;
   const double fit = seconds_of([&] { function.emplace(fit_surface_function(std::move(points), {}, progress)); });
   std::printf("| what | seconds | bytes | fit / this |\n|---|---:|---:|---:|\n");
   const auto row = [&](const char* what, double seconds, unsigned long long bytes = 0) {
@@ -79,10 +79,10 @@ int main(int argc, char** argv) {
   for (const Kind& kind : {Kind{"write", "read", ".smf", true}, Kind{"write without samples", "read it", ".smf", false},
                            Kind{"write gzipped", "read it", ".smf.gz", true}}) {
     const std::string file = (folder / (std::string("benchmark_function_file") + kind.ending)).string();
-    const double write = seconds_of([&] { write_function(file, *function, kind.with_samples); });
+    const double write = seconds_of([&] { write_fitted_function(file, *function, kind.with_samples); });
     const auto bytes = std::filesystem::file_size(file);
     row(kind.written, write, bytes);
-    row(kind.read, best_of([&] { read_function(file); }), bytes);
+    row(kind.read, best_of([&] { read_fitted_function(file); }), bytes);
     std::filesystem::remove(file);
   }
   row("mesh", seconds_of([&] { mesh_function(*function, {}, progress); }));

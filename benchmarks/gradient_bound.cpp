@@ -11,7 +11,7 @@
 #include <string>
 #include <utility>
 
-#include "sansmesh/function/surface_function.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/io.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/search/ball_tree.h"
@@ -74,7 +74,7 @@ struct Figures {
   Vec3 where;
 };
 
-Figures figures(const SurfaceFunction& s, const std::vector<Vec3>& x) {
+Figures figures(const FittedFunction& s, const std::vector<Vec3>& x) {
   std::vector<double> values(x.size()), size(x.size());
   std::vector<Vec3> gradients(x.size());
   s.field.evaluate(x, values, gradients);
@@ -92,7 +92,7 @@ Figures figures(const SurfaceFunction& s, const std::vector<Vec3>& x) {
 }
 
 /// Lengths of gradients by central differences over `step`, and how far they are from the analytic ones.
-void differences(const SurfaceFunction& s, const std::vector<Vec3>& x, double step, double& largest, double& apart) {
+void differences(const FittedFunction& s, const std::vector<Vec3>& x, double step, double& largest, double& apart) {
   std::vector<Vec3> moved, gradients(x.size());
   std::vector<double> values(x.size());
   s.field.evaluate(x, values, gradients);
@@ -118,7 +118,7 @@ void measure(const std::string& name, PointSet cloud, const Options& options) {
   if (name.find(options.only) == std::string::npos) return;
   Progress progress;
   const std::size_t samples = cloud.size();
-  const SurfaceFunction s = fit_surface_function(std::move(cloud), {}, progress);
+  const FittedFunction s = fit_surface_function(std::move(cloud), {}, progress);
   const PartitionData& data = s.field.data();
   const Supports supports(data);
   std::mt19937_64 random(1);

@@ -15,8 +15,8 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_coverage.h"
@@ -79,7 +79,7 @@ void measure(const std::string& name, const PointSet& cloud, int depth, const Ar
     Progress progress;
     const PreparedCloud prepared = prepare_cloud(cloud, {}, progress);
     const Clock fitting;
-    const SurfaceFunction function = fit_surface_function(prepared, v.fit, progress);
+    const FittedFunction function = fit_surface_function(prepared, v.fit, progress);
     const double fit_seconds = fitting.seconds();
     const PartitionReport& r = function.field.report();
 

@@ -108,7 +108,7 @@ void run(const std::string& folder, int runs) {
     const Cloud& cloud = kClouds[row.cloud];
     SurfaceOptions options;
     options.method = row.method;
-    if (row.sharp) options.sharp = SurfaceOptions::SharpFormula::bilateral;
+    if (row.sharp) options.sharp = SharpFormula::bilateral;
     if (options.method == "amls") options.order = row.order, options.iterations = row.iterations, options.smoothing = 1;
     Progress progress;
     const SurfaceModel model = make_surface_model(load(folder, cloud), options, progress);

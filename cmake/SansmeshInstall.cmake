@@ -1,17 +1,20 @@
-# cmake --install: the library with its headers under their include paths, the command line tool, and a package for
+# cmake --install: the library, static and shared, with its public headers, the command line tool, and a package for
 # find_package(sansmesh).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(SANSMESH_PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/sansmesh)
 
-install(TARGETS sansmesh EXPORT sansmeshTargets
+set(SANSMESH_LIBRARIES sansmesh)
+if(TARGET sansmesh_shared)
+  list(APPEND SANSMESH_LIBRARIES sansmesh_shared)
+endif()
+install(TARGETS ${SANSMESH_LIBRARIES} EXPORT sansmeshTargets
         ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
         RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/sansmesh DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-        FILES_MATCHING PATTERN "*.h" PATTERN "*-inl.h" EXCLUDE)
-install(FILES ${PROJECT_BINARY_DIR}/include/sansmesh/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/sansmesh)
+get_property(headers GLOBAL PROPERTY SANSMESH_HEADERS)
+install(FILES ${headers} ${PROJECT_BINARY_DIR}/include/sansmesh/version.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/sansmesh)
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/THIRD_PARTY.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 # The prefix is known when it is installed.
 install(CODE "
@@ -23,9 +26,6 @@ install(CODE "
   file(INSTALL DESTINATION \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/pkgconfig\" TYPE FILE FILES \"${PROJECT_BINARY_DIR}/sansmesh.pc\")")
 install(EXPORT sansmeshTargets NAMESPACE sansmesh:: DESTINATION ${SANSMESH_PACKAGE_DIR})
 
-if(NOT DEFINED BUILD_SHARED_LIBS)
-  set(BUILD_SHARED_LIBS OFF)
-endif()
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/sansmeshConfig.cmake.in
                               ${PROJECT_BINARY_DIR}/sansmeshConfig.cmake INSTALL_DESTINATION ${SANSMESH_PACKAGE_DIR})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/sansmeshConfigVersion.cmake COMPATIBILITY SameMinorVersion)

@@ -2,8 +2,9 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 
-#include "sansmesh/partition/partition_fit.h"
+#include "sansmesh/functions.h"
 
 using namespace sansmesh;
 
@@ -18,13 +19,13 @@ int main() {
   }
 
   Progress progress;
-  const PartitionOfUnity field = fit_partition_of_unity(sphere, {}, progress);
+  const std::shared_ptr<const ScalarField> field = fit_function(sphere, {}, progress).function.field();
 
   // One call answers a whole batch; gradients are optional. Negative is inside.
   const std::array<Vec3, 3> x{Vec3{0.99, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, -1.01}};
   std::array<double, 3> values;
   std::array<Vec3, 3> gradients;
-  field.evaluate(x, values, gradients);
+  field->evaluate(x, values, gradients);
 
   double worst = 0;
   for (std::size_t i = 0; i < x.size(); ++i) {

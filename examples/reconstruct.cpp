@@ -1,7 +1,7 @@
 // From a scan to a mesh: read, reconstruct, write.
 //
 //   example_reconstruct SCAN MESH
-#include "sansmesh/jobs/reconstruct.h"
+#include "sansmesh/reconstruct.h"
 
 #include <cstdio>
 

@@ -8,9 +8,8 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/io/assemble_points.h"
-#include "sansmesh/jobs/reconstruct.h"
-#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/noise.h"
@@ -18,6 +17,7 @@
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/sights.h"
 #include "sansmesh/points/spacing.h"
+#include "sansmesh/reconstruct.h"
 #include "target.h"
 
 using namespace sansmesh;

@@ -8,7 +8,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/csg/parse_csg.h"
 #include "sansmesh/field/piece_expression.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "target.h"
 

@@ -7,8 +7,8 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io/section_file.h"
 #include "support/section_bytes.h"
 #include "target.h"
@@ -19,7 +19,7 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, st
 
 namespace {
 
-void use(const SurfaceFunction& function) {
+void use(const FittedFunction& function) {
   const Box3 box = function.field.bounds();
   const Vec3 size = box.upper - box.lower;
   std::vector<Vec3> places{box.lower, box.upper, box.center(), box.center() + size * 1e3, box.center() + size * 1e18};
@@ -51,7 +51,7 @@ void read(const std::string& bytes) {
                                     [](void* p) { ::operator delete (p, std::align_val_t{64}); });
   std::memcpy(owner.get(), bytes.data(), bytes.size());
   try {
-    use(read_function(SectionFile("fuzz.smf", owner, {static_cast<const char*>(owner.get()), bytes.size()})));
+    use(read_fitted_function(SectionFile("fuzz.smf", owner, {static_cast<const char*>(owner.get()), bytes.size()})));
   } catch (const FileError& error) {
     fuzz::demand(std::string_view(error.what()).starts_with("fuzz.smf: "), "an error that does not name the file");
     fuzz::check_message(error.what());

@@ -1,5 +1,5 @@
 // sansmesh advise: which method suits these samples?
-#include "sansmesh/advise/advise.h"
+#include "sansmesh/advice.h"
 #include "sansmesh/model/surface_method.h"
 
 #include <fmt/core.h>
@@ -13,7 +13,6 @@
 #include "commands.h"
 #include "flags.h"
 #include "option_groups.h"
-#include "sansmesh/advise/traits.h"
 #include "sansmesh/io.h"
 #include "sansmesh/points/noise.h"
 

@@ -1,5 +1,5 @@
 // sansmesh align: one cloud or mesh moved onto another.
-#include "sansmesh/jobs/align.h"
+#include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,5 @@
 // sansmesh assess: how good is a mesh?
-#include "sansmesh/jobs/assess.h"
+#include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
 

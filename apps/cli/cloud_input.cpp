@@ -5,9 +5,9 @@
 #include "command_line.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/points/spacing.h"
+#include "sansmesh/surface_function.h"
 
 namespace sansmesh::cli {
 namespace {

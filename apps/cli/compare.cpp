@@ -1,5 +1,5 @@
 // sansmesh compare: the inspection map, how far every place of a part lies from where it should.
-#include "sansmesh/jobs/compare.h"
+#include "sansmesh/inspect.h"
 #include "sansmesh/jobs/cloud_or_mesh.h"
 #include "sansmesh/jobs/compare_picture.h"
 

@@ -1,5 +1,5 @@
 // sansmesh convert: clouds and meshes into other formats, moved, cropped, thinned, welded, split on the way.
-#include "sansmesh/jobs/convert.h"
+#include "sansmesh/convert.h"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,6 @@
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/jobs/frame_names.h"
-#include "sansmesh/jobs/split.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

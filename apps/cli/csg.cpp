@@ -1,5 +1,5 @@
 // sansmesh csg: an expression of functions and primitives in, closed mesh with its creases out.
-#include "sansmesh/jobs/csg.h"
+#include "sansmesh/solids.h"
 
 #include <fmt/core.h>
 

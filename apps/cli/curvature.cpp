@@ -1,6 +1,6 @@
 // sansmesh curvature: principal curvatures of a scan as attributes and as a picture.
-#include "sansmesh/jobs/curvature.h"
 #include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/points.h"
 
 #include <fmt/core.h>
 

@@ -20,6 +20,7 @@
 #include "sansmesh/jobs/frame_names.h"
 #include "sansmesh/jobs/read_deformation.h"
 #include "sansmesh/measure/section_text.h"
+#include "sansmesh/surface_function.h"
 #include "schema_options.h"
 #include "solid_input.h"
 #include "volume_colors.h"
@@ -188,8 +189,7 @@ Deformed write_displacement_map(const DeformArguments& a, DeformedThing thing, c
     before = a.input.open(console).samples(console.progress())->bounds();
     console.tell(a.input.told(), "input");
   } else {
-    before =
-        thing == DeformedThing::solid ? read_solid_of(a, console).solid.bounds() : bounds_of(read_cloud(a, console));
+    before = thing == DeformedThing::solid ? read_solid_of(a, console).bounds() : bounds_of(read_cloud(a, console));
   }
   DeformationMapResult made = deformation_map(deformation, before, a.input.name(), a.map, console.progress());
   console.progress().begin("write");

@@ -1,5 +1,5 @@
 // sansmesh edit: a function file in, a script of edits, a new function file out; its mesh brought up to date.
-#include "sansmesh/jobs/edit.h"
+#include "sansmesh/functions.h"
 
 #include <fmt/core.h>
 
@@ -9,8 +9,8 @@
 #include "option_groups.h"
 #include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/edit_script.h"
 #include "sansmesh/function/function_file.h"
+#include "sansmesh/function_edits.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 
@@ -59,8 +59,7 @@ void run_edit(const EditArguments& a, Console& console) {
 
   for (std::size_t i = 0; i < made.steps.size(); ++i)
     console.say(fmt::format("step {}: {}", i + 1, words_of(made.steps[i])));
-  if (!a.output.empty())
-    console.say(fmt::format("{}: {}", a.output, counted(made.function.field.report().functions, "local fit")));
+  if (!a.output.empty()) console.say(fmt::format("{}: {}", a.output, counted(info(made.function).fits, "local fit")));
   const std::size_t triangles = made.mesh.triangles.size();
   if (!a.mesh_output.empty())
     console.say(fmt::format("{}: {}{}", a.mesh_output, counted(triangles, "triangle"),

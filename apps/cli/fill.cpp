@@ -1,5 +1,5 @@
 // sansmesh fill: holes of a mesh, listed and filled.
-#include "sansmesh/jobs/fill.h"
+#include "sansmesh/repair.h"
 
 #include <fmt/core.h>
 
@@ -9,7 +9,7 @@
 #include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

@@ -1,5 +1,5 @@
 // sansmesh fit: points in, function file out.
-#include "sansmesh/jobs/fit_function.h"
+#include "sansmesh/functions.h"
 #include "sansmesh/jobs/fit_words.h"
 
 #include <fmt/core.h>
@@ -38,12 +38,13 @@ void run_fit(const FitArguments& a, Console& console) {
   console.progress().begin("write");
   write_function(a.output, function, !a.without_samples);
   console.tell(a.input.told(read, given), "input");
+  const FunctionInfo f = info(function);
+  console.tell(f);
   console.tell(scale);
   console.tell(report);
   console.tell(ToldFile{a.output}, "output");
-  console.tell_value("output.samples", a.without_samples ? 0 : function.samples->size());
+  console.tell_value("output.samples", a.without_samples ? 0 : function.samples());
 
-  const FunctionInfo& f = report.function;
   console.say(fmt::format("{}: {} ({})", a.input.name(), counted(given, "point"), read.format));
   console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(scale.spacing),
                           scale.noise_words(), length(f.accuracy)));
@@ -51,8 +52,8 @@ void run_fit(const FitArguments& a, Console& console) {
   if (!report.alignment.empty()) console.say(report.alignment);
   console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(f.fits, "local fit"), f.depth,
                           grouped(f.creased), a.without_samples ? ", without samples" : ""));
-  if (report.paper)
-    for (const std::string& line : paper_words(*report.paper, f.fits_of_degree)) console.say(line);
+  if (f.paper)
+    for (const std::string& line : paper_words(*f.paper, f.fits_of_degree)) console.say(line);
 }
 
 }  // namespace
@@ -76,8 +77,8 @@ Command add_fit(CommandLine& app) {
            "  sansmesh fit scan.ply -o scan.smf\n"
            "  sansmesh mesh scan.smf -o scan-mesh.ply\n"
            "  sansmesh diagnose scan.smf");
-  c.tells({told<ReadCloud>("input"), told<CloudScale>(), told<FitFunctionReport>(), told<ToldFile>("output"),
-           told_value<std::size_t>("output.samples", "Samples that were written with it")});
+  c.tells({told<ReadCloud>("input"), told<FunctionInfo>(), told<CloudScale>(), told<FitFunctionReport>(),
+           told<ToldFile>("output"), told_value<std::size_t>("output.samples", "Samples that were written with it")});
   return {&c, [a](Console& console) { run_fit(*a, console); }};
 }
 

@@ -8,10 +8,10 @@
 #include "commands.h"
 #include "flow_surface_input.h"
 #include "option_groups.h"
-#include "picture_contents.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/flow_pictures.h"
+#include "sansmesh/jobs/picture_contents.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {
@@ -20,7 +20,7 @@ namespace {
 struct FlowRenderArguments {
   FlowInput input;
   FlowPictureOptions options;
-  PictureContents contents;
+  PictureContentsOptions contents;
   PictureArguments picture;
   std::string output, background = "gradient";
 };
@@ -39,8 +39,9 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
   const auto write = [&](std::size_t, const Image& image, const RenderOptions& made_with) {
     files.write(image, made_with);
   };
-  const FlowPicturesResult made =
-      flow_pictures(flow, a.options, a.contents.read(a.options.look, console), write, console.progress());
+  const PictureContents contents(a.contents, a.options.look, console.progress());
+  console.note({}, contents.notes());
+  const FlowPicturesResult made = flow_pictures(flow, a.options, contents.surfaces(), write, console.progress());
   console.note(flow.source(), made.notes);
   console.tell(a.input.told(flow, console.progress()), "input");
   console.tell(files.written(), "output");
@@ -63,7 +64,7 @@ Command add_flow_render(CommandLine& flow) {
                        "color_by", "frames", "turn"}});
   add_schema(c, a.options,
              {.group = "Beside the surface", .only = {"volume", "volume_preset", "volume_opacity", "iso"}});
-  a.contents.add_options(c);
+  add_schema(c, a.contents);
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});
   add_background_option(c, a.background);
   add_picture_options(c, a.picture);

@@ -1,6 +1,6 @@
 // sansmesh info: what is in a file?
-#include "sansmesh/jobs/info.h"
 #include "sansmesh/jobs/volume_info.h"
+#include "sansmesh/points.h"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,5 @@
 // sansmesh measure: area, volume, centre of mass, moments and size of a solid and of its parts.
-#include "sansmesh/jobs/measure.h"
+#include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
 

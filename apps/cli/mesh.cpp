@@ -8,7 +8,7 @@
 #include "sansmesh/function/function_file.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/jobs/fit_words.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {
@@ -25,16 +25,16 @@ void run_mesh(MeshArguments& a, Console& console) {
   a.output.check();
   console.progress().begin("read");
   const SurfaceFunction function = read_function(a.input);
-  MeshReport report;
-  const TriangleMesh mesh =
-      naming(a.input, console, [&] { return mesh_function(function, a.options, console.progress(), &report); });
-  console.warn(a.input, report.warnings);
+  const auto [mesh, report, notes] =
+      naming(a.input, console, [&] { return mesh_of_function(function, a.options, console.progress()); });
+  console.note(a.input, notes);
   a.output.write(mesh, console);
+  const std::size_t fits = info(function).fits;
   console.tell(ToldFile{a.input}, "input");
+  console.tell_value("input.fits", fits);
   console.tell(report);
 
-  console.say(fmt::format("{}: {}, {}", a.input, counted(function.field.report().functions, "local fit"),
-                          counted(function.samples->size(), "sample")));
+  console.say(fmt::format("{}: {}, {}", a.input, counted(fits, "local fit"), counted(function.samples(), "sample")));
   const MeshTopology topology = measure_topology(mesh);
   say_mesh(a.output.file, mesh, topology.components, topology.closed(), console);
   if (report.simplices > 0) console.say("walked through " + grouped(report.simplices) + " simplices");
@@ -57,7 +57,8 @@ Command add_mesh(CommandLine& app) {
       "  sansmesh mesh scan.smf -o quick.stl --block-depth 6\n"
       "  sansmesh mesh scan.smf -o part.ply --box 0,0,0,10,10,5\n"
       "  sansmesh mesh scan.smf -o small.glb --triangles 20000 --preview small.png");
-  c.tells({told<ToldFile>("input"), told<MeshReport>()});
+  c.tells({told<ToldFile>("input"), told_value<std::size_t>("input.fits", "Local fits of the function"),
+           told<MeshReport>()});
   return {&c, [a](Console& console) { run_mesh(*a, console); }};
 }
 

@@ -1,5 +1,5 @@
 // sansmesh normals: estimate and orient the normals of a cloud.
-#include "sansmesh/jobs/normals.h"
+#include "sansmesh/points.h"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,5 @@
 // sansmesh probe: value, gradient and curvature of a function at points.
-#include "sansmesh/jobs/probe_function.h"
+#include "sansmesh/functions.h"
 
 #include <fmt/core.h>
 
@@ -8,7 +8,6 @@
 #include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/io.h"
 
 namespace sansmesh::cli {

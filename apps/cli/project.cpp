@@ -1,5 +1,5 @@
 // sansmesh project: points onto the surface of samples; resampling, denoising, consolidation.
-#include "sansmesh/jobs/project.h"
+#include "sansmesh/points.h"
 
 #include <fmt/core.h>
 

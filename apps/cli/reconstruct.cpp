@@ -1,7 +1,9 @@
 // sansmesh reconstruct: points in, mesh out.
 #include <fmt/core.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "cloud_input.h"
 #include "commands.h"
@@ -10,8 +12,8 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/fit_words.h"
-#include "sansmesh/jobs/reconstruct.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
+#include "sansmesh/reconstruct.h"
 #include "surface_options.h"
 
 namespace sansmesh::cli {
@@ -41,8 +43,9 @@ void run_reconstruct(const ReconstructArguments& a, Console& console) {
 
   const ReconstructReport& r = made.report;
   console.say(fmt::format("{}: {}, {} ({})", name, counted(count, "point"), size, read.format));
-  console.say(fmt::format("spacing {}, noise {}", length(scale.spacing), scale.noise_words()));
-  console.say(summary_of(r, a.options));
+  std::vector<std::string> lines = summary_of(r, a.options);
+  lines[0] = fmt::format("spacing {}, noise {}, {}", length(scale.spacing), scale.noise_words(), lines[0]);
+  console.say(lines);
   // A closed partition is closed by construction.
   const bool closed =
       (!a.options.other_surface() && !a.options.mesh.trim && !r.open) || measure_topology(made.mesh).closed();

@@ -9,8 +9,8 @@
 #include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/io.h"
+#include "sansmesh/surface_function.h"
 #include "schema_options.h"
 #include "surface_options.h"
 

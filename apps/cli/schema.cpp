@@ -48,7 +48,7 @@ Json json_of_option(const OptionEntry& option) {
   if (option.row && !option.row->unit.empty()) json["unit"] = option.row->unit;
   if (!option.usual.empty()) json["usual"] = option.usual;
   if (option.row && !option.row->from_data.empty()) json["from_data"] = option.row->from_data;
-  if (const auto range = option.numbers_taken()) json["range"] = json_of_range(*range);
+  if (option.range) json["range"] = json_of_range(*option.range);
   if (!option.words.empty()) json["choices"] = option.words;
   if (option.numbers > 0) json["numbers"] = option.numbers;
   if (option.is_file() && !option.file_endings().empty()) json["endings"] = option.file_endings();
@@ -157,7 +157,8 @@ Command add_schema_command(CommandLine& app) {
       "and `below` are excluded. `surfaces` and `volume_methods` are the methods of --surface and, for volumes, of "
       "--method, with the fields\n"
       "that they use; `formats` the\n"
-      "files that are read and written, by ending.\n\n"
+      "files that are read and written, by ending. `report` has the keys of --json: `key` (\"places[].radius\" of a "
+      "list), `kind`,\n`text`, `unit`, `choices`, and `optional` where it may be null.\n\n"
       "Examples:\n"
       "  sansmesh schema > schema.json");
   return {&c, [&app](Console&) {

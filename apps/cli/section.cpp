@@ -1,5 +1,5 @@
 // sansmesh section: the curves in which planes cut a surface.
-#include "sansmesh/jobs/section.h"
+#include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
 

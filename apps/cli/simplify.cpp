@@ -1,5 +1,5 @@
 // sansmesh simplify: fewer triangles for the same surface, and how far off these are.
-#include "sansmesh/jobs/simplify.h"
+#include "sansmesh/repair.h"
 
 #include <fmt/core.h>
 
@@ -9,7 +9,8 @@
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh/mesh_distance.h"
+#include "sansmesh/mesh_measures.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {

@@ -1,5 +1,5 @@
 // sansmesh smooth: noise taken off a mesh.
-#include "sansmesh/jobs/smooth.h"
+#include "sansmesh/repair.h"
 
 #include <fmt/core.h>
 

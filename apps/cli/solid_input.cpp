@@ -4,7 +4,7 @@ namespace sansmesh::cli {
 
 SolidModel open_solid(const std::string& expression, Console& console) {
   SolidModel solid = read_solid(expression, console.progress());
-  console.note(expression, solid.notes);
+  console.note(expression, solid.notes());
   return solid;
 }
 

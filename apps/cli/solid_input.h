@@ -4,7 +4,7 @@
 #include <string>
 
 #include "console.h"
-#include "sansmesh/jobs/solid_model.h"
+#include "sansmesh/solids.h"
 
 namespace sansmesh::cli {
 

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/io.h"
 #include "volume_input.h"
 
@@ -31,7 +30,7 @@ SurfaceInput open_surface(const CloudInput& input, Console& console) {
       told.value = name->value;
       return {std::move(named.surface), file};
     }
-    if (input.is_function()) return {std::make_shared<const SurfaceFunction>(read_function(file)), file};
+    if (input.is_function()) return {read_function(file), file};
     return {to_mesh(input.read(console, read)), file};
   };
   AnySurface surface = opened();

@@ -6,7 +6,7 @@
 
 #include "cloud_input.h"
 #include "console.h"
-#include "sansmesh/jobs/any_surface.h"
+#include "sansmesh/inspect.h"
 #include "sansmesh/jobs/volume_model.h"
 
 namespace sansmesh::cli {

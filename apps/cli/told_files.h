@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 

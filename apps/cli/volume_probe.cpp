@@ -44,6 +44,7 @@ void run_probe(const ProbeArguments& a, Console& console) {
   }
   const std::size_t n = x.size();
   console.tell(a.input.told(volume, console.progress()), "input");
+  console.tell_value("points", n);
   console.tell(p.report);
   if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
 
@@ -74,7 +75,7 @@ Command add_volume_probe(CommandLine& volume) {
            "boundary.\n\nExamples:\n"
            "  sansmesh volume probe fire.vtu --array t --at 0.5,0.5,0.5\n"
            "  sansmesh volume probe post.bin --points where.csv --array Density -o density.csv");
-  c.tells({told<ReadVolume>("input"), told<ProbeReport>(), told<ToldFile>("output"), told_list<ProbedValue>("values")});
+  c.tells({told<ReadVolume>("input"), told_value<std::size_t>("points", "Points that were asked for"), told<ProbeReport>(), told<ToldFile>("output"), told_list<ProbedValue>("values")});
   return {&c, [a](Console& console) { run_probe(*a, console); }};
 }
 

@@ -8,9 +8,9 @@
 
 #include "commands.h"
 #include "option_groups.h"
-#include "picture_contents.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
+#include "sansmesh/jobs/picture_contents.h"
 #include "sansmesh/jobs/volume_pictures.h"
 #include "sansmesh/render/transfer_json.h"
 #include "schema_options.h"
@@ -24,7 +24,7 @@ struct VolumeRenderArguments {
   VolumeInput input;
   std::string output, save_transfer, background = "gradient";
   VolumeColors colors;
-  PictureContents contents;
+  PictureContentsOptions contents;
   PictureArguments picture;
   VolumePicturesOptions options;
   int frames = 0;
@@ -51,7 +51,9 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
   require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
   VolumeModel volume = a.input.open(console);
   Progress& progress = console.progress();
-  VolumePictures pictures(volume, options, a.contents.read(options.look, console), progress);
+  const PictureContents contents(a.contents, options.look, console.progress());
+  console.note({}, contents.notes());
+  VolumePictures pictures(volume, options, contents.surfaces(), progress);
   PictureFiles files(a.picture, a.output, a.frames > 0, console);
   for (const ViewDirection& view : turntable(pictures.look().view, std::max(1, a.frames))) {
     VolumePictureOptions look = pictures.look();
@@ -90,7 +92,7 @@ Command add_volume_render(CommandLine& volume) {
   a.colors.add_options(c, "Options");
   c.add_option("--save-transfer", a.save_transfer, "Also writes what was used, to be changed and given to --transfer")
       .type_name("FILE");
-  a.contents.add_options(c);
+  add_schema(c, a.contents);
   add_schema(c, a.options, {.without = {"preset", "opacity", "iso", "bar", "label", "unit", "title"}});
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});
   c.add_option_function(

@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include "sansmesh/api.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -11,7 +12,7 @@ struct PointSet;
 struct TriangleMesh;
 
 /// p → A p + shift, A by its columns.
-struct AffineMap {
+struct SANSMESH_API AffineMap {
   Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  ///< where the axes go
   Vec3 shift;                               ///< where 0 goes (length)
 
@@ -50,7 +51,7 @@ struct AffineMap {
 /// triangles over, so that their outside stays outside. The origin moves in double; where the map only shifts, nothing
 /// else changes, and no digit is lost. Attributes stay as they are. Throws ArgumentError, before anything is changed,
 /// as `inverse`, and for maps that are not finite, throw positions beyond 1e18 or shrink everything below 1e-18.
-void transform(PointSet& points, const AffineMap& map);
-void transform(TriangleMesh& mesh, const AffineMap& map);
+SANSMESH_API void transform(PointSet& points, const AffineMap& map);
+SANSMESH_API void transform(TriangleMesh& mesh, const AffineMap& map);
 
 }  // namespace sansmesh::inline v1

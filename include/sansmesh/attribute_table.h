@@ -12,6 +12,8 @@
 #include <variant>
 #include <vector>
 
+#include "sansmesh/api.h"
+
 namespace sansmesh::inline v1 {
 
 enum class NumberType : std::uint8_t { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
@@ -50,7 +52,7 @@ using AttributeValues =
                  std::vector<std::int64_t>, std::vector<std::uint64_t>, std::vector<float>, std::vector<double>>;
 
 /// An empty array of a type.
-AttributeValues empty_values(NumberType type);
+SANSMESH_API AttributeValues empty_values(NumberType type);
 
 /// One array: `components` numbers a row, row after row.
 struct Attribute {
@@ -82,7 +84,7 @@ struct Attribute {
 /// Where rows are mixed, reals become weighted means. Integers are as a rule numbers of something, labels or flags, of
 /// which there is no mean: they take the value of the row with the largest weight (of several, the first one), and keep
 /// their type.
-class AttributeTable {
+class SANSMESH_API AttributeTable {
  public:
   bool empty() const { return arrays_.empty(); }
   std::size_t size() const { return arrays_.size(); }  ///< number of arrays
@@ -142,10 +144,10 @@ class AttributeTable {
 /// The rows of several tables, rows[k] of table k, one after the other, with all arrays that any of them has. Where a
 /// table has one not, or of another type or number of components than the first table that has it, the numbers are
 /// unknown: NaN, or 0 if they are integers.
-AttributeTable join_rows(std::span<const AttributeTable* const> tables, std::span<const std::size_t> rows);
+SANSMESH_API AttributeTable join_rows(std::span<const AttributeTable* const> tables, std::span<const std::size_t> rows);
 
 /// Takes the arrays out of `a` that not every one of the `others` has with its type and number of components; returns
 /// their names.
-std::vector<std::string> keep_common(AttributeTable& a, std::span<const AttributeTable* const> others);
+SANSMESH_API std::vector<std::string> keep_common(AttributeTable& a, std::span<const AttributeTable* const> others);
 
 }  // namespace sansmesh::inline v1

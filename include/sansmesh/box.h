@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 
 #include "sansmesh/vec.h"
@@ -20,7 +21,7 @@ struct BoxT {
   /// Length of the diagonal; 0 for an empty box.
   T diagonal() const { return empty() ? T(0) : norm(size()); }
   void extend(const VecT<T>& p) {
-    for (int k = 0; k < 3; ++k) {
+    for (std::size_t k = 0; k < 3; ++k) {
       lower[k] = std::min(lower[k], p[k]);
       upper[k] = std::max(upper[k], p[k]);
     }

@@ -7,6 +7,8 @@
 #include <span>
 #include <vector>
 
+#include "sansmesh/api.h"
+
 namespace sansmesh::inline v1 {
 
 /// Corners in VTK's order: a tetrahedron's fourth lies on the side to which the first three turn left; a pyramid's base
@@ -20,14 +22,14 @@ inline constexpr std::size_t corner_count(CellShape shape) {
 }
 
 /// Edges of a cell as pairs of its corners.
-std::span<const std::array<std::uint8_t, 2>> cell_edges(CellShape shape);
+SANSMESH_API std::span<const std::array<std::uint8_t, 2>> cell_edges(CellShape shape);
 
 /// A face of a cell: `count` (3 or 4) of its corners in a ring, counter-clockwise seen from outside.
 struct CellFace {
   std::uint8_t count;
   std::array<std::uint8_t, 4> corner;
 };
-std::span<const CellFace> cell_faces(CellShape shape);
+SANSMESH_API std::span<const CellFace> cell_faces(CellShape shape);
 
 /// Cells, one after the other. Degenerate ones (corners that coincide or repeat, no volume, inside out) may be there.
 struct CellList {

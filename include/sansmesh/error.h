@@ -1,26 +1,29 @@
 // Errors. Bad input throws one of these; a numerical failure at one sample is a returned status instead.
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+
+#include "sansmesh/api.h"
 
 namespace sansmesh::inline v1 {
 
 /// Text of a file or of a user, fit for one line of a message: printing characters of UTF-8 stay, all other bytes
 /// (control characters, line breaks, what is not UTF-8) become \xNN. Of more than `most` characters the middle is left
 /// out ("…"). Printable text of at most `most` characters stays as it is.
-std::string printable(std::string_view text, std::size_t most = std::string_view::npos);
+SANSMESH_API std::string printable(std::string_view text, std::size_t most = std::string_view::npos);
 
 /// Base of everything this library throws on purpose. what() is one line that names the culprit and the cause.
-class Error : public std::runtime_error {
+class SANSMESH_API Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
 /// A file that cannot be opened, read, understood or written. The message starts with the file's name. Causes may hold
 /// excerpts of damaged files: name and cause are made printable(), long causes cut.
-class FileError : public Error {
+class SANSMESH_API FileError : public Error {
  public:
   FileError(const std::string& file, const std::string& cause);
   const std::string& file() const { return file_; }
@@ -38,7 +41,7 @@ struct ArgumentFault {
 };
 
 /// An argument or option out of range. Options are named by their fields, between grave accents: `enhance = false`.
-class ArgumentError : public Error {
+class SANSMESH_API ArgumentError : public Error {
  public:
   explicit ArgumentError(const std::string& message) : Error(message) {}
   /// "`degree` must be from 1 to 4, not 7".
@@ -52,13 +55,13 @@ class ArgumentError : public Error {
 };
 
 /// Input that is well formed but cannot be reconstructed (too few points, all in a plane, no extent).
-class DataError : public Error {
+class SANSMESH_API DataError : public Error {
  public:
   using Error::Error;
 };
 
 /// Thrown at the next check point after Progress::cancel().
-class Cancelled : public Error {
+class SANSMESH_API Cancelled : public Error {
  public:
   Cancelled() : Error("cancelled") {}
 };

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/api.h"
 #include "sansmesh/image.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/polyline_set.h"
@@ -38,10 +39,10 @@ struct ReadReport {
 /// Points flagged as withheld are left out with a warning.
 ///
 /// Throws FileError where the file is missing, empty, truncated, malformed or holds no points.
-PointSet read_points(const std::string& file, ReadReport* report = nullptr);
+SANSMESH_API PointSet read_points(const std::string& file, ReadReport* report = nullptr);
 
 /// Whether there is a reader for files of that ending.
-bool is_read(const std::string& file);
+SANSMESH_API bool is_read(const std::string& file);
 
 /// The points of several files (tiles of a survey, parts of a scan) as one cloud, in the order of the files. All have
 /// one origin, that of the first file, so that a place has the same position whichever file it comes from. Attributes
@@ -51,14 +52,14 @@ bool is_read(const std::string& file);
 /// at the same place in several files stay as they are.
 /// Warnings begin with the name of their file. Throws FileError as read_points, and where some of the files have faces
 /// and others have none; ArgumentError for no files at all.
-PointSet read_merged(const std::vector<std::string>& files, ReadReport* report = nullptr);
+SANSMESH_API PointSet read_merged(const std::vector<std::string>& files, ReadReport* report = nullptr);
 
 /// A mesh (polygons are triangulated as fans). Throws FileError as read_points, and where the file has no faces.
-TriangleMesh read_mesh(const std::string& file, ReadReport* report = nullptr);
+SANSMESH_API TriangleMesh read_mesh(const std::string& file, ReadReport* report = nullptr);
 
 /// The lines of a VTP file, with the attributes of their points; empty where it has none, and for files of other kinds,
 /// which hold no lines. Throws FileError as read_points.
-PolylineSet read_lines(const std::string& file);
+SANSMESH_API PolylineSet read_lines(const std::string& file);
 
 struct WriteOptions {
   bool ascii = false;  ///< text instead of binary, where the format has both
@@ -67,7 +68,7 @@ struct WriteOptions {
 /// Writes PLY, OBJ, STL, OFF, GLB, VTP by the name's ending. PLY and VTP hold all attributes, GLB those of vertices
 /// that are 1 to 4 floats, the others none. Columns of PLY are single numbers named by one word: components become
 /// name_0, name_1, …, and what would tear the header becomes '_'.
-void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOptions& options = {});
+SANSMESH_API void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOptions& options = {});
 
 /// Writes PLY, OBJ, XYZ, CSV, PCD, VTP or LAS by the name's ending. PLY, CSV, PCD, VTP and LAS hold attributes (PLY,
 /// CSV and PCD as columns, see write_mesh), the others none. Triangles are not written.
@@ -75,28 +76,28 @@ void write_mesh(const std::string& file, const TriangleMesh& mesh, const WriteOp
 /// LAS: version 1.2 if its point formats hold the attributes of LAS (see read_points) that there are, else 1.4; others,
 /// and those that do not fit, as extra bytes. Coordinates count decimal steps finer than the floats of the positions.
 /// No normals. Throws ArgumentError for positions that are not finite.
-void write_points(const std::string& file, const PointSet& points, const WriteOptions& options = {});
+SANSMESH_API void write_points(const std::string& file, const PointSet& points, const WriteOptions& options = {});
 
 /// Whether there is a writer for files of that ending; kind: "mesh", "points" or "lines".
-bool is_written(const std::string& file, const std::string& kind);
+SANSMESH_API bool is_written(const std::string& file, const std::string& kind);
 
 /// What the format of `file` has no room for, of what there is: "normals", "colours", names of attributes, "… of
 /// triangles". Throws FileError where there is no writer.
-std::vector<std::string> left_out(const std::string& file, const TriangleMesh& mesh);
-std::vector<std::string> left_out(const std::string& file, const PointSet& points);
+SANSMESH_API std::vector<std::string> left_out(const std::string& file, const TriangleMesh& mesh);
+SANSMESH_API std::vector<std::string> left_out(const std::string& file, const PointSet& points);
 
 /// Writes VTP (lines, with all attributes), PLY (vertices and edges, with the attributes of points) or CSV (a row a
 /// point: line,x,y,z and the attributes of points; `time`, where there is one, comes second) by the name's ending.
-void write_lines(const std::string& file, const PolylineSet& lines, const WriteOptions& options = {});
+SANSMESH_API void write_lines(const std::string& file, const PolylineSet& lines, const WriteOptions& options = {});
 
 /// Writes a PNG.
-void write_image(const std::string& file, const Image& image);
+SANSMESH_API void write_image(const std::string& file, const Image& image);
 
 /// Writes text (JSON, CSV) atomically.
-void write_text(const std::string& file, const std::string& text);
+SANSMESH_API void write_text(const std::string& file, const std::string& text);
 
 /// Throws FileError early, before long work, if `file` has an ending that no writer knows (kind: "mesh", "points",
 /// "lines", "image") or its folder does not exist or cannot be written.
-void check_writable(const std::string& file, const std::string& kind);
+SANSMESH_API void check_writable(const std::string& file, const std::string& kind);
 
 }  // namespace sansmesh::inline v1

@@ -2,6 +2,7 @@
 // and the bindings of other languages are made from the rows.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -13,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/vec.h"
 
@@ -35,7 +37,7 @@ enum class OptionKind : std::uint8_t {
 };
 
 /// Numbers that an option takes. An end that is excluded is approached only.
-struct OptionRange {
+struct SANSMESH_API OptionRange {
   double least = -std::numeric_limits<double>::infinity();
   double most = std::numeric_limits<double>::infinity();
   bool above = false;  ///< `least` itself is excluded
@@ -322,21 +324,21 @@ concept HasSchema = requires {
 
 /// Calls `use` for every row, those of groups and steps in their place, with the struct (or list) that it is a field
 /// of.
-void for_each_option(const OptionSchema& schema, void* options,
-                     const std::function<void(const OptionRow& row, void* owner)>& use);
-void for_each_option(const OptionSchema& schema, const void* options,
-                     const std::function<void(const OptionRow& row, const void* owner)>& use);
+SANSMESH_API void for_each_option(const OptionSchema& schema, void* options,
+                                  const std::function<void(const OptionRow& row, void* owner)>& use);
+SANSMESH_API void for_each_option(const OptionSchema& schema, const void* options,
+                                  const std::function<void(const OptionRow& row, const void* owner)>& use);
 
 /// Choices as words. Throws ArgumentError for enumerators without one.
-OptionValue option_value(const OptionRow& row, const void* owner);
+SANSMESH_API OptionValue option_value(const OptionRow& row, const void* owner);
 /// The same way back: checks kind, range and words. Whole numbers are taken for real ones. Throws ArgumentError.
-void set_option(const OptionRow& row, void* owner, const OptionValue& value);
+SANSMESH_API void set_option(const OptionRow& row, void* owner, const OptionValue& value);
 /// "0.6", "compact", "yes", "1, 2, 3"; empty if it is not set.
-std::string option_words(const OptionValue& value);
+SANSMESH_API std::string option_words(const OptionValue& value);
 
 /// Throws ArgumentError unless every value lies in its range, needs what is set and excludes what is set. `usual` is a
 /// default-constructed struct.
-void validate_options(const OptionSchema& schema, const void* options, const void* usual);
+SANSMESH_API void validate_options(const OptionSchema& schema, const void* options, const void* usual);
 template <HasSchema T>
 void validate_options(const T& options) {
   const T usual{};
@@ -344,7 +346,8 @@ void validate_options(const T& options) {
 }
 
 /// Names of the options that differ from those of a default-constructed struct.
-std::vector<std::string_view> options_set(const OptionSchema& schema, const void* options, const void* usual);
+SANSMESH_API std::vector<std::string_view> options_set(const OptionSchema& schema, const void* options,
+                                                       const void* usual);
 template <HasSchema T>
 std::vector<std::string_view> options_set(const T& options) {
   const T usual{};
@@ -353,7 +356,7 @@ std::vector<std::string_view> options_set(const T& options) {
 
 /// Throws ArgumentError if an option is set that is none of `used` and one of `some`: options that mean something to
 /// some methods only. `method` is the one that does not use it.
-void check_used(const std::vector<std::string_view>& set, std::span<const std::string_view> used,
-                std::span<const std::string_view> some, std::string_view method);
+SANSMESH_API void check_used(const std::vector<std::string_view>& set, std::span<const std::string_view> used,
+                             std::span<const std::string_view> some, std::string_view method);
 
 }  // namespace sansmesh::inline v1

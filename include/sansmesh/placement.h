@@ -1,6 +1,7 @@
 // Coordinates of one's own, and where they lie in those of the input.
 #pragma once
 
+#include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/vec.h"
 
@@ -42,12 +43,12 @@ struct Placement {
 };
 
 /// The unit is the least power of two that is not smaller than `extent`, the size of what is placed; 1 if that is 0.
-Placement placement_for(const Vec3& origin, double extent);
+SANSMESH_API Placement placement_for(const Vec3& origin, double extent);
 
 /// Positions of a whole cloud (those of scanners included) or mesh; its origin becomes 0 in own coordinates.
-void move_from_input(PointSet& points, const Placement& place);
-void move_from_input(TriangleMesh& mesh, const Placement& place);
-void move_to_input(PointSet& points, const Placement& place);
-void move_to_input(TriangleMesh& mesh, const Placement& place);
+SANSMESH_API void move_from_input(PointSet& points, const Placement& place);
+SANSMESH_API void move_from_input(TriangleMesh& mesh, const Placement& place);
+SANSMESH_API void move_to_input(PointSet& points, const Placement& place);
+SANSMESH_API void move_to_input(TriangleMesh& mesh, const Placement& place);
 
 }  // namespace sansmesh::inline v1

@@ -2,11 +2,13 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "sansmesh/api.h"
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/box.h"
 #include "sansmesh/vec.h"
@@ -57,9 +59,9 @@ inline Box3f bounds(const PointSet& points) {
 
 /// Keeps the samples whose mask is 0, with all that belongs to them, in order. Triangles with a removed corner go.
 /// Throws ArgumentError if the mask has another length than the cloud.
-void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask);
+SANSMESH_API void remove_samples(PointSet& points, const std::vector<std::uint8_t>& mask);
 
 /// Sample i is what sample rows[i] is, with all that belongs to it but triangles. Row numbers must exist.
-PointSet take_samples(const PointSet& points, std::span<const std::uint32_t> rows);
+SANSMESH_API PointSet take_samples(const PointSet& points, std::span<const std::uint32_t> rows);
 
 }  // namespace sansmesh::inline v1

@@ -3,19 +3,21 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "sansmesh/api.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
 
 /// Stages are entered in sequence by the algorithm (`begin`), advanced by its workers (`advance`), and observed by
 /// the caller through the callback. Wall time of each finished stage is kept (`timings`).
-class Progress {
+class SANSMESH_API Progress {
  public:
   /// Called with the stage's name and the fraction done in [0, 1], from one thread at a time, at most ~100 times a
   /// stage.
@@ -58,6 +60,6 @@ class Progress {
 };
 
 /// CPU seconds (user + system, all threads) this process has used so far.
-double process_cpu_seconds();
+SANSMESH_API double process_cpu_seconds();
 
 }  // namespace sansmesh::inline v1

@@ -16,6 +16,7 @@
 #include <variant>
 #include <vector>
 
+#include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/vec.h"
 
@@ -288,6 +289,6 @@ std::optional<T> told_if(bool holds, T value) {
 }
 
 /// The value of a row, choices as words. Not of reports.
-ReportValue report_value(const ReportRow& row, const void* report);
+SANSMESH_API ReportValue report_value(const ReportRow& row, const void* report);
 
 }  // namespace sansmesh::inline v1

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/api.h"
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/box.h"
 #include "sansmesh/cell_list.h"
@@ -68,7 +69,7 @@ struct VolumeFacts {
 /// cells (values of cells): `corners` are the places of the cells' corners, and `cell_sample` tells which sample stands
 /// for a cell. Lattices have none of these: they are known by their axes. Scattered samples have the cells of their
 /// Delaunay tetrahedralisation.
-struct SampledVolume {
+struct SANSMESH_API SampledVolume {
   std::optional<Lattice> lattice;
   std::vector<Vec3> positions;             ///< of the samples; empty for a lattice
   CellList cells;                          ///< that cover the volume: no degenerate ones, none inside out

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/vec.h"
 
@@ -28,7 +29,7 @@ constexpr double kAssumedSlope = 1.5;
 /// which runs a batch of one range where it is asked), or hands it on to fields that do. It may be asked inside a loop
 /// all the same, there with a batch for each iteration. The same holds for all that is asked of many points in this
 /// folder: Projection, PiecewiseField, NormalField, ColorField.
-class ScalarField {
+class SANSMESH_API ScalarField {
  public:
   virtual ~ScalarField() = default;
 
@@ -56,11 +57,22 @@ class ScalarField {
 
 namespace detail {
 /// ScalarField::ranges of a field whose gradients are no longer than `slope`.
-void ranges_by_slope(const ScalarField& field, double slope, std::span<const Vec3> x, double radius,
-                     std::span<ValueRange> found);
+SANSMESH_API void ranges_by_slope(const ScalarField& field, double slope, std::span<const Vec3> x, double radius,
+                                  std::span<ValueRange> found);
 /// Puts the answers of another field where `inside` is 0. Sizes must agree (gradients may be empty).
-void fill_undefined(const ScalarField& other, std::span<const Vec3> x, std::span<const std::uint8_t> inside,
-                    std::span<double> values, std::span<Vec3> gradients);
+SANSMESH_API void fill_undefined(const ScalarField& other, std::span<const Vec3> x,
+                                 std::span<const std::uint8_t> inside, std::span<double> values,
+                                 std::span<Vec3> gradients);
 }  // namespace detail
+
+/// A field at one place, and the principal curvatures of its level set there: 1 / length, positive where the set
+/// {F <= F(x)} is convex, k1 >= k2; both 0 where the gradient vanishes.
+struct LevelSetPoint {
+  double value = 0;
+  Vec3 gradient;
+  double k1 = 0, k2 = 0;
+  double mean_curvature() const { return 0.5 * (k1 + k2); }
+  double gaussian_curvature() const { return k1 * k2; }
+};
 
 }  // namespace sansmesh::inline v1

@@ -4,6 +4,7 @@
 
 #include <span>
 
+#include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/vec.h"
 #include "sansmesh/vector_field.h"
@@ -22,7 +23,7 @@ struct MapAnswers {
 
 /// Positions x after the deformation to positions T(x) before it (backward), or the other way round (forward): its
 /// maker says which.
-class SpaceMap {
+class SANSMESH_API SpaceMap {
  public:
   virtual ~SpaceMap() = default;
 

@@ -3,6 +3,8 @@
 
 #include <memory>
 
+#include "sansmesh/api.h"
+
 namespace sansmesh::inline v1 {
 
 /// Says how many threads the loops may use that the calling thread starts, itself included, and all loops within those:
@@ -17,7 +19,7 @@ namespace sansmesh::inline v1 {
 /// an arena of its own, and what a host says in oneTBB about other arenas, about the whole process, and what it runs on
 /// other threads stays as it is. If a host limits the whole process to fewer threads (`tbb::global_control`), fewer
 /// take part; a scope of more threads than there are cores lifts oneTBB's own limit to its size as long as it lives.
-class ThreadScope {
+class SANSMESH_API ThreadScope {
  public:
   static constexpr int kMost = 1024;
 
@@ -34,6 +36,6 @@ class ThreadScope {
 };
 
 /// How many threads a loop that starts here may use.
-int thread_count();
+SANSMESH_API int thread_count();
 
 }  // namespace sansmesh::inline v1

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sansmesh/api.h"
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/box.h"
 #include "sansmesh/point_set.h"
@@ -32,6 +33,6 @@ inline Box3f bounds(const TriangleMesh& mesh) {
 }
 
 /// Positions and triangles of a cloud, with normals, colours and attributes.
-TriangleMesh to_mesh(PointSet points);
+SANSMESH_API TriangleMesh to_mesh(PointSet points);
 
 }  // namespace sansmesh::inline v1

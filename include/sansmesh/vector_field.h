@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 
+#include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/vec.h"
 
@@ -29,7 +30,7 @@ struct TimeRange {
   bool contains(double t) const { return t >= first && t <= last; }
 };
 
-class VectorField {
+class SANSMESH_API VectorField {
  public:
   virtual ~VectorField() = default;
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <span>
 
+#include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/vec.h"
@@ -22,7 +23,7 @@ struct VolumeAnswers {
   std::span<std::uint8_t> degrees;  ///< one a point: degree of the polynomials that the answer is made of, 0 if of none
 };
 
-class VolumeField {
+class SANSMESH_API VolumeField {
  public:
   virtual ~VolumeField() = default;
 

@@ -1,5 +1,4 @@
-#include "sansmesh/advise/advise.h"
-#include "sansmesh/advise/traits.h"
+#include "sansmesh/advice.h"
 
 #include <fmt/core.h>
 

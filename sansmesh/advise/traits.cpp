@@ -6,11 +6,11 @@
 #include <optional>
 #include <utility>
 
-#include "sansmesh/advise/traits.h"
+#include "sansmesh/advice.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/surface_function.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/mesh/sewn_mesh.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/duplicates.h"
@@ -19,9 +19,11 @@
 #include "sansmesh/points/neighbourhood_sample.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
+#include "sansmesh/points/orientation.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/points/spacing.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -133,7 +135,7 @@ void measure_openness(PointSet points, CloudTraits& traits, Progress& progress) 
   points.triangles.clear();
   points.triangle_attributes = {};
   try {
-    const SurfaceFunction function = fit_surface_function(std::move(points), {}, progress);
+    const FittedFunction function = fit_surface_function(std::move(points), {}, progress);
     const PartitionReport& r = function.field.report();
     traits.open = r.area > 0 ? std::min(1.0, r.open_area / r.area) : 0;
   } catch (const DataError&) {

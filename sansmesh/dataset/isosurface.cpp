@@ -13,7 +13,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/volume/volume_boundary.h"

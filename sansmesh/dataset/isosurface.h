@@ -14,7 +14,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/dataset/value_ranges.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/option.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/progress.h"

@@ -16,7 +16,7 @@
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/components.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/points/poisson_discs.h"
 #include "sansmesh/search/ball_tree.h"

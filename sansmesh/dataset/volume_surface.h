@@ -10,7 +10,7 @@
 
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/option.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"

@@ -8,7 +8,7 @@
 #include "sansmesh/deform/slit.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
 namespace {

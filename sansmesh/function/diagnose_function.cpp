@@ -15,7 +15,7 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_coverage.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/partition/partition_edit.h"
 #include "sansmesh/partition/sheets.h"
@@ -74,7 +74,7 @@ Vec3 mean_normal(const Vec3& sum, std::size_t count) {
 }
 
 /// Flagged supports with touching blocks make a place.
-void gather_places(const SurfaceFunction& function, Suspicion kind, const Flagged& flagged, Diagnosis& diagnosis) {
+void gather_places(const FittedFunction& function, Suspicion kind, const Flagged& flagged, Diagnosis& diagnosis) {
   const PartitionData& data = function.field.data();
   std::vector<std::uint32_t> ids;
   std::vector<Vec3f> feet;
@@ -125,7 +125,7 @@ void gather_places(const SurfaceFunction& function, Suspicion kind, const Flagge
 
 /// Samples whose nearest vertex belongs to each component, times the area that each stands for, over its area.
 std::vector<double> component_evidence(const TriangleMesh& mesh, const MeshComponents& components,
-                                       const SurfaceFunction& function) {
+                                       const FittedFunction& function) {
   const PointSet& samples = *function.samples;
   const Vec3f shift(samples.origin - mesh.origin);
   const std::vector<std::size_t> nearest = detail::count_nearest(
@@ -139,7 +139,7 @@ std::vector<double> component_evidence(const TriangleMesh& mesh, const MeshCompo
 
 /// Components that hardly any samples stand for, 1 for each. The mesh is in the coordinates of the field.
 std::vector<std::uint8_t> extra_components(const TriangleMesh& mesh, const MeshComponents& components,
-                                           const SurfaceFunction& function) {
+                                           const FittedFunction& function) {
   const PartitionReport& report = function.field.report();
   const bool sampled = function.samples->size() > 0;
   std::vector<std::uint8_t> extra(components.size(), 0);
@@ -162,7 +162,7 @@ std::vector<std::uint8_t> extra_components(const TriangleMesh& mesh, const MeshC
 }
 
 /// Extra components of the mesh, which is in the coordinates of the field: places, and the vertices on them.
-void find_extra_sheets(const SurfaceFunction& function, const TriangleMesh& mesh, const KdTree& feet,
+void find_extra_sheets(const FittedFunction& function, const TriangleMesh& mesh, const KdTree& feet,
                        Diagnosis& diagnosis, std::vector<std::uint8_t>& vertex_flag) {
   const MeshComponents components = find_components(mesh);
   if (components.size() < 2) return;
@@ -251,13 +251,13 @@ void suggest(SuspiciousPlace& p, const DiagnoseOptions& options, double error_ab
 }
 
 /// Samples without a surface, 1 for each.
-std::vector<std::uint8_t> lost_samples_of(const SurfaceFunction& function, const TriangleMesh& mesh) {
+std::vector<std::uint8_t> lost_samples_of(const FittedFunction& function, const TriangleMesh& mesh) {
   const PartitionReport& report = function.field.report();
   return far_samples(mesh, *function.samples, lost_beyond(report.spacing, report.noise));
 }
 
 /// The surface after all edits that are proposed, in the coordinates of the field; nothing if it cannot be had.
-std::optional<TriangleMesh> mended(const SurfaceFunction& function, const Diagnosis& diagnosis, Progress& progress) {
+std::optional<TriangleMesh> mended(const FittedFunction& function, const Diagnosis& diagnosis, Progress& progress) {
   MeshOptions meshing;
   meshing.carry_colors = false;
   try {
@@ -273,7 +273,7 @@ std::optional<TriangleMesh> mended(const SurfaceFunction& function, const Diagno
 
 /// Takes the edits back around which samples lost their surface that `lost_before` says to have had one. False if that
 /// is none of them.
-bool take_back(const SurfaceFunction& function, const std::vector<std::uint8_t>& lost_before,
+bool take_back(const FittedFunction& function, const std::vector<std::uint8_t>& lost_before,
                const std::vector<std::uint8_t>& lost, Diagnosis& diagnosis) {
   std::vector<std::uint8_t> harmful(diagnosis.places.size(), 0);
   for (std::size_t i = 0; i < lost.size(); ++i) {
@@ -296,7 +296,7 @@ bool take_back(const SurfaceFunction& function, const std::vector<std::uint8_t>&
 }
 
 /// Tries the edits, and takes those back that take surface away from samples. `lost_before`: without any edit.
-void try_edits(const SurfaceFunction& function, const std::vector<std::uint8_t>& lost_before, Diagnosis& diagnosis,
+void try_edits(const FittedFunction& function, const std::vector<std::uint8_t>& lost_before, Diagnosis& diagnosis,
                Progress& progress) {
   const auto most =
       std::count(lost_before.begin(), lost_before.end(), 1) + static_cast<std::ptrdiff_t>(lost_before.size() / kSpared);
@@ -310,7 +310,7 @@ void try_edits(const SurfaceFunction& function, const std::vector<std::uint8_t>&
   for (SuspiciousPlace& p : diagnosis.places) p.edit.reset();
 }
 
-void color_mesh(const SurfaceFunction& function, const KdTree& feet, std::span<const Flagged> flagged,
+void color_mesh(const FittedFunction& function, const KdTree& feet, std::span<const Flagged> flagged,
                 const std::vector<std::uint8_t>& extra, TriangleMesh& mesh) {
   const PartitionData& data = function.field.data();
   mesh.colors.assign(mesh.vertices.size(), kSound);
@@ -371,7 +371,7 @@ std::vector<Edit> Diagnosis::edits() const {
   return all;
 }
 
-Diagnosis diagnose_function(const SurfaceFunction& function, const DiagnoseOptions& options, Progress& progress) {
+Diagnosis diagnose_function(const FittedFunction& function, const DiagnoseOptions& options, Progress& progress) {
   options.validate();
   const PartitionOfUnity& field = function.field;
   const PartitionData& data = field.data();

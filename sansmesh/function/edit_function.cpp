@@ -47,7 +47,7 @@ std::uint32_t nearest_sheet(const PartitionData& data, const Sheets& sheets, con
   return nearest;
 }
 
-std::optional<std::vector<std::uint8_t>> on_sheets(const SurfaceFunction& function, const EditSelection& s) {
+std::optional<std::vector<std::uint8_t>> on_sheets(const FittedFunction& function, const EditSelection& s) {
   if (!s.sheet_at && !s.spurious_sheets && !s.all_but_largest) return std::nullopt;
   const PartitionData& data = function.field.data();
   const Sheets sheets = find_sheets(data, function.samples->positions);
@@ -71,7 +71,7 @@ std::optional<std::vector<std::uint8_t>> on_sheets(const SurfaceFunction& functi
   return flags;
 }
 
-SupportQuery to_query(const SurfaceFunction& function, const EditSelection& s) {
+SupportQuery to_query(const FittedFunction& function, const EditSelection& s) {
   const Vec3 origin = function.field.data().origin;
   const auto local = [&](const Vec3& x) { return Vec3f(function.place.from_input(x) - origin); };
   SupportQuery q;
@@ -87,13 +87,13 @@ SupportQuery to_query(const SurfaceFunction& function, const EditSelection& s) {
   return q;
 }
 
-Box3 to_input(const SurfaceFunction& function, const Box3f& box) {
+Box3 to_input(const FittedFunction& function, const Box3f& box) {
   if (box.empty()) return {};
   const Vec3 origin = function.field.data().origin;
   return function.place.to_input(Box3{origin + Vec3(box.lower), origin + Vec3(box.upper)});
 }
 
-PartitionOptions options_of(const SurfaceFunction& function, const Refit& r) {
+PartitionOptions options_of(const FittedFunction& function, const Refit& r) {
   PartitionOptions o = function.field.data().options;
   if (r.max_degree) o.max_degree = *r.max_degree;
   if (r.max_depth) o.max_depth = r.max_depth;
@@ -127,7 +127,7 @@ void EditSelection::validate() const {
   check(!sheet_at || is_finite(*sheet_at), "sheet_at must be finite");
 }
 
-FunctionEditor::FunctionEditor(SurfaceFunction function) : function_(std::move(function)) {}
+FunctionEditor::FunctionEditor(FittedFunction function) : function_(std::move(function)) {}
 
 EditReport FunctionEditor::undo(int steps) {
   if (steps < 1) throw ArgumentError("undo: at least 1 step");

@@ -11,7 +11,7 @@
 
 #include "sansmesh/core/json_text-inl.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/edit_script.h"
+#include "sansmesh/function_edits.h"
 #include "sansmesh/partition/partition_edit.h"
 
 namespace sansmesh::inline v1 {

@@ -1,4 +1,4 @@
-#include "sansmesh/function/fit_options.h"
+#include "sansmesh/fit_options.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,8 @@
 // How the mesh of a function is cut out of it; not part of the public interface.
 #pragma once
 
-#include "sansmesh/function/surface_function.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/polygonize/polygonize_options.h"
 #include "sansmesh/triangulation/block_tree.h"
 
@@ -15,6 +15,6 @@ struct FunctionCut {
 };
 
 /// `usual_error`: distance of mesh and surface where the options ask for none (length of the field).
-FunctionCut prepare_cut(const SurfaceFunction& function, const MeshOptions& options, double usual_error);
+FunctionCut prepare_cut(const FittedFunction& function, const MeshOptions& options, double usual_error);
 
 }  // namespace sansmesh::inline v1::detail

@@ -9,8 +9,8 @@
 #include "sansmesh/function/crease_edges.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/mesh_solid.h"
-#include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_measures.h"
+#include "sansmesh/mesh_options.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -23,7 +23,7 @@ constexpr double kBeside = 1, kSoundShare = 0.25;
 /// Fits see creases of more than 30 degrees. Shorter ones than so many spacings are noise.
 constexpr double kFunctionCrease = 30, kLeastCrease = 5;
 
-TriangleMesh whole_mesh(const SurfaceFunction& function, Progress& progress) {
+TriangleMesh whole_mesh(const FittedFunction& function, Progress& progress) {
   MeshOptions options;
   options.components.kind = ComponentChoice::Kind::all;
   options.carry_colors = false;
@@ -40,7 +40,7 @@ TriangleMesh whole_mesh(const SurfaceFunction& function, Progress& progress) {
 }  // namespace
 
 struct FunctionDistance::Parts {
-  Parts(std::shared_ptr<const SurfaceFunction> f, Progress& progress)
+  Parts(std::shared_ptr<const FittedFunction> f, Progress& progress)
       : function(std::move(f)), field(function->field, function->place) {
     TriangleMesh mesh = whole_mesh(*function, progress);
     closed = measure_topology(mesh).closed();
@@ -66,14 +66,14 @@ struct FunctionDistance::Parts {
     return side;
   }
 
-  std::shared_ptr<const SurfaceFunction> function;
+  std::shared_ptr<const FittedFunction> function;
   PlacedField field;
   std::unique_ptr<const MeshField> distance;
   bool closed = false;
   double near = 0;  ///< about one spacing
 };
 
-FunctionDistance::FunctionDistance(std::shared_ptr<const SurfaceFunction> function, Progress& progress)
+FunctionDistance::FunctionDistance(std::shared_ptr<const FittedFunction> function, Progress& progress)
     : parts_(std::make_unique<Parts>(std::move(function), progress)) {}
 
 FunctionDistance::~FunctionDistance() = default;
@@ -107,7 +107,7 @@ std::optional<double> FunctionDistance::slope_bound() const {
   return parts_->closed ? std::optional<double>(1) : std::nullopt;
 }
 
-Solid function_distance_solid(std::shared_ptr<const SurfaceFunction> function, Progress& progress) {
+Solid function_distance_solid(std::shared_ptr<const FittedFunction> function, Progress& progress) {
   auto distance = std::make_shared<const FunctionDistance>(std::move(function), progress);
   return distance->closed() ? csg::distance_leaf(std::move(distance)) : csg::leaf(std::move(distance));
 }

@@ -5,8 +5,9 @@
 
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/field/piecewise_field.h"
-#include "sansmesh/function/surface_function.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 
@@ -21,7 +22,7 @@ namespace sansmesh::inline v1 {
 class FunctionDistance : public PiecewiseField {
  public:
   /// Makes the mesh, as mesh_function does with all components. Throws DataError if the function has no surface.
-  FunctionDistance(std::shared_ptr<const SurfaceFunction> function, Progress& progress);
+  FunctionDistance(std::shared_ptr<const FittedFunction> function, Progress& progress);
   ~FunctionDistance() override;
 
   /// Of a closed surface its own; else those of the function. Values are distances outside, too.
@@ -43,6 +44,6 @@ class FunctionDistance : public PiecewiseField {
 
 /// A function as a solid that is the distance to its surface. What is open is taken as all that lies behind it, as far
 /// as the function's box reaches. Throws DataError if the function has no surface.
-Solid function_distance_solid(std::shared_ptr<const SurfaceFunction> function, Progress& progress);
+Solid function_distance_solid(std::shared_ptr<const FittedFunction> function, Progress& progress);
 
 }  // namespace sansmesh::inline v1

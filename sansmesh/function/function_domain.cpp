@@ -24,7 +24,7 @@ std::vector<Vec3f> feet(const PartitionData& data, bool open) {
   return feet;
 }
 
-Coverage coverage_of(const SurfaceFunction& function, std::optional<double> fill) {
+Coverage coverage_of(const FittedFunction& function, std::optional<double> fill) {
   const PartitionReport& report = function.field.report();
   const PartitionData& data = function.field.data();
   // Wider holes than the cube is are all that there is.
@@ -57,7 +57,7 @@ constexpr float kMembrane = 0.25f;
 
 }  // namespace
 
-FunctionDomain::FunctionDomain(const SurfaceFunction& function, std::optional<double> fill, std::optional<double> trim)
+FunctionDomain::FunctionDomain(const FittedFunction& function, std::optional<double> fill, std::optional<double> trim)
     : coverage_(coverage_of(function, fill)),
       trim_(trim),
       open_(feet(function.field.data(), true)),
@@ -66,7 +66,7 @@ FunctionDomain::FunctionDomain(const SurfaceFunction& function, std::optional<do
       origin_(function.field.data().origin),
       samples_(trim ? KdTree(function.samples->positions) : KdTree()) {}
 
-bool FunctionDomain::needed(const SurfaceFunction& function, std::optional<double> trim) {
+bool FunctionDomain::needed(const FittedFunction& function, std::optional<double> trim) {
   const auto supports = function.field.data().supports.view();
   return trim || std::any_of(supports.begin(), supports.end(), [](const Support& s) { return s.open != 0; });
 }

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/function/surface_function.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/partition/global_sign.h"
 #include "sansmesh/points/coverage.h"
 #include "sansmesh/scalar_field.h"
@@ -25,10 +25,10 @@ class FunctionDomain : public ScalarField {
   /// Lengths in the unit of the field. `fill`: holes of open sheets up to so wide are closed (Coverage). `trim`: no
   /// surface farther than this from any sample, of whatever sheet. Without samples that were kept, the feet of the
   /// supports stand for them.
-  FunctionDomain(const SurfaceFunction& function, std::optional<double> fill, std::optional<double> trim);
+  FunctionDomain(const FittedFunction& function, std::optional<double> fill, std::optional<double> trim);
 
   /// Whether there are open sheets, or a surface to trim: whether it leaves anything out at all.
-  static bool needed(const SurfaceFunction& function, std::optional<double> trim);
+  static bool needed(const FittedFunction& function, std::optional<double> trim);
 
   Box3 bounds() const override { return coverage_.bounds(); }
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;

@@ -245,13 +245,7 @@ PointSet read_samples(const SectionFile& file, const PartitionData& data) {
 
 }  // namespace
 
-bool is_function_file(const std::string& file) {
-  std::string name = file;
-  for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return name.ends_with(".smf") || name.ends_with(".smf.gz");
-}
-
-void write_function(const std::string& file, const SurfaceFunction& function, bool with_samples) {
+void write_fitted_function(const std::string& file, const FittedFunction& function, bool with_samples) {
   const PartitionData& data = function.field.data();
   // Nothing is written that could not be read again.
   try {
@@ -296,9 +290,9 @@ void write_function(const std::string& file, const SurfaceFunction& function, bo
   write_sections(file, sections);
 }
 
-SurfaceFunction read_function(const std::string& file) { return read_function(SectionFile(file)); }
+FittedFunction read_fitted_function(const std::string& file) { return read_fitted_function(SectionFile(file)); }
 
-SurfaceFunction read_function(const SectionFile& file) {
+FittedFunction read_fitted_function(const SectionFile& file) {
   try {
     const ReadJson json = parsed(file.text("META"));
     const auto kind = json.at("kind").get<std::string>();

@@ -93,7 +93,7 @@ class FunctionKnowledge final : public csg::FieldKnowledge {
 
 }  // namespace
 
-Solid function_solid(std::shared_ptr<const SurfaceFunction> function) {
+Solid function_solid(std::shared_ptr<const FittedFunction> function) {
   const PartitionOfUnity& field = function->field;
   auto known = std::make_shared<const FunctionKnowledge>(field);
   const Placement place = function->place;

@@ -11,7 +11,7 @@
 #include "sansmesh/function/function_domain.h"
 #include "sansmesh/mesh/clip_mesh.h"
 #include "sansmesh/mesh/mesh_quality.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/polygonize/walk_surface.h"
 
@@ -33,7 +33,7 @@ Box3 with_seeds(const PartitionData& data, const Box3& box) {
 }
 
 /// From the simplices at the samples, or where these were not kept at the feet of the supports, which stand for them.
-TriangleMesh walked(const SurfaceFunction& function, const MeshOptions& options, const BlockTree& blocks,
+TriangleMesh walked(const FittedFunction& function, const MeshOptions& options, const BlockTree& blocks,
                     Progress& progress, MeshReport& r) {
   const PartitionOfUnity& field = function.field;
   WalkOptions walk;
@@ -58,7 +58,7 @@ TriangleMesh walked(const SurfaceFunction& function, const MeshOptions& options,
 
 }  // namespace
 
-TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& options, Progress& progress,
+TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& options, Progress& progress,
                            MeshReport* report) {
   options.validate();
   const bool walks = is_walked(function, options);
@@ -129,7 +129,7 @@ TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& o
   return mesh;
 }
 
-bool is_walked(const SurfaceFunction& function, const MeshOptions& options) {
+bool is_walked(const FittedFunction& function, const MeshOptions& options) {
   return options.mesher == Mesher::walk ||
          (options.mesher == Mesher::automatic && function.field.data().paper.has_value());
 }

@@ -1,8 +1,8 @@
 // From a fitted function to its mesh.
 #pragma once
 
-#include "sansmesh/function/surface_function.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/triangle_mesh.h"
 
@@ -11,11 +11,11 @@ namespace sansmesh::inline v1 {
 /// The zero set of the function as a manifold mesh (closed unless it bounds no solid, was trimmed or cut by the box),
 /// in the coordinates of the input. The report is written anew. Throws DataError if nothing of it is left,
 /// ArgumentError for bad options.
-TriangleMesh mesh_function(const SurfaceFunction& function, const MeshOptions& options, Progress& progress,
+TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& options, Progress& progress,
                            MeshReport* report = nullptr);
 
 /// Whether that mesh is made by a walk (Mesher).
-bool is_walked(const SurfaceFunction& function, const MeshOptions& options);
+bool is_walked(const FittedFunction& function, const MeshOptions& options);
 
 /// Distance between mesh and surface worth aiming at, given what fitting learned: two fifths of the surface's own
 /// error, but not so little that there are many more vertices than samples.

@@ -1,70 +1,50 @@
-#include "sansmesh/function/surface_function.h"
-
-#include <fmt/core.h>
+#include "sansmesh/surface_function.h"
 
 #include <utility>
 
-#include "sansmesh/error.h"
-#include "sansmesh/partition/partition_fit.h"
+#include "sansmesh/field/placed_field.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/function/function_file.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// In the unit of a prepared cloud, which is about 1 large.
-constexpr double kMostError = 10;
-
-/// With lengths in own coordinates.
-PartitionOptions partition_options(const FitOptions& options, const Placement& place) {
-  PartitionOptions fit;
-  fit.max_depth = options.depth;
-  if (options.error) fit.error = place.from_input(*options.error);
-  fit.support = options.support;
-  fit.max_degree = options.degree;
-  fit.sharp = options.sharp;
-  fit.open = options.open;
-  return fit;
-}
-
-PaperOptions paper_options(const FitOptions& options) {
-  PaperOptions fit;
-  if (options.threshold) fit.threshold = *options.threshold;
-  if (options.depth) fit.max_depth = *options.depth;
-  if (options.support) fit.support = *options.support;
-  if (options.coverage) fit.coverage = *options.coverage;
-  fit.max_degree = options.degree;
-  return fit;
-}
+/// The field in the input's coordinates, with the function that it is of.
+struct FieldInInput {
+  std::shared_ptr<const FittedFunction> function;
+  PlacedField field;
+};
 
 }  // namespace
 
-SurfaceFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress) {
-  options.validate();
-  // A function keeps none: before the cloud is copied about.
-  points.attributes.clear();
-  points.triangle_attributes.clear();
-  return fit_surface_function(prepare_cloud(std::move(points), {}, progress), options, progress);
+SurfaceFunction::SurfaceFunction(FittedFunction fitted)
+    : fitted_(std::make_shared<const FittedFunction>(std::move(fitted))) {}
+
+std::shared_ptr<const ScalarField> SurfaceFunction::field() const {
+  const auto kept =
+      std::make_shared<const FieldInInput>(FieldInInput{fitted_, PlacedField(fitted_->field, fitted_->place)});
+  return {kept, &kept->field};
 }
 
-SurfaceFunction fit_surface_function(PreparedCloud cloud, const FitOptions& options, Progress& progress) {
-  options.validate();
-  cloud.points.attributes.clear();  // nor through the whole fit
-  cloud.points.triangle_attributes.clear();
-  if (options.is_paper()) {
-    const bool faces = cloud.points.of_faces;
-    auto sorted = std::make_shared<PointSet>();
-    PaperReport report;
-    PartitionOfUnity paper =
-        fit_paper_partition(std::move(cloud.points), paper_options(options), progress, sorted.get(), &report);
-    sorted->of_faces = faces;
-    return {std::move(paper), cloud.place, std::move(sorted), {}, std::move(cloud.warnings), report};
-  }
-  const PartitionOptions fit = partition_options(options, cloud.place);
-  if (fit.error && !(*fit.error <= kMostError)) throw ArgumentError("`error` is larger than the cloud");
-  const bool of_faces = cloud.points.of_faces;
-  auto samples = std::make_shared<PointSet>();
-  PartitionOfUnity field = fit_partition_of_unity(std::move(cloud.points), fit, progress, samples.get());
-  samples->of_faces = of_faces;
-  return {std::move(field), cloud.place, std::move(samples), {}, std::move(cloud.warnings), {}};
+Box3 SurfaceFunction::bounds() const {
+  const Box3f box = sansmesh::bounds(*fitted_->samples);
+  return fitted_->place.to_input(box.empty() ? fitted_->field.bounds() : Box3{Vec3(box.lower), Vec3(box.upper)});
+}
+
+std::size_t SurfaceFunction::samples() const { return fitted_->samples->size(); }
+
+const std::vector<std::string>& SurfaceFunction::history() const { return fitted_->history; }
+
+bool is_function_file(const std::string& file) {
+  std::string name = file;
+  for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return name.ends_with(".smf") || name.ends_with(".smf.gz");
+}
+
+SurfaceFunction read_function(const std::string& file) { return SurfaceFunction(read_fitted_function(file)); }
+
+void write_function(const std::string& file, const SurfaceFunction& function, bool with_samples) {
+  write_fitted_function(file, function.fitted(), with_samples);
 }
 
 }  // namespace sansmesh::inline v1

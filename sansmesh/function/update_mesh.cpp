@@ -71,7 +71,7 @@ double mean_edge(const TriangleMesh& mesh) {
   return mesh.triangles.empty() ? 0 : sum / static_cast<double>(mesh.triangles.size());
 }
 
-std::string place_words(const Vec3& p) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x, p.y, p.z); }
+std::string exact_place_words(const Vec3& p) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x, p.y, p.z); }
 
 /// "34 %"; all only if it is all.
 std::string percent_of(double share) {
@@ -98,7 +98,7 @@ std::vector<Box3f> in_float(const std::vector<Box3>& boxes) {
 /// One update, in the coordinates of the field.
 class Updating {
  public:
-  Updating(const SurfaceFunction& function, const MeshOptions& options, TriangleMesh& mesh, Progress& progress,
+  Updating(const FittedFunction& function, const MeshOptions& options, TriangleMesh& mesh, Progress& progress,
            MeshUpdate& update)
       : function_(function),
         mesh_(mesh),
@@ -153,7 +153,7 @@ class Updating {
   bool no_way(const Pending& p) {
     update_.why = agreement_ < kAgreement ? no_agreement()
                                           : "no border was found along which old and new triangles meet, around " +
-                                                place_words(function_.place.to_input(p.change.center()));
+                                                exact_place_words(function_.place.to_input(p.change.center()));
     return false;
   }
 
@@ -196,7 +196,7 @@ class Updating {
     return spoiled;
   }
 
-  const SurfaceFunction& function_;
+  const FittedFunction& function_;
   TriangleMesh& mesh_;
   Progress& progress_;
   MeshUpdate& update_;
@@ -206,13 +206,13 @@ class Updating {
 };
 
 /// False: it could not be done (u.why), and the mesh is as it was.
-bool update_in_place(const SurfaceFunction& function, TriangleMesh& mesh, std::span<const Box3> changed,
+bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::span<const Box3> changed,
                      const MeshOptions& options, Progress& progress, MeshUpdate& u) {
   const MeshMatch match = match_mesh(function, mesh, changed);
   const std::size_t off = match.vertices - match.on;
   if (static_cast<double>(off) > kOff * static_cast<double>(match.vertices)) {
     u.why = fmt::format("{} of {} vertices off the changes are not on the surface, the farthest at {}", grouped(off),
-                        grouped(match.vertices), place_words(match.farthest_at));
+                        grouped(match.vertices), exact_place_words(match.farthest_at));
     return false;
   }
   // In the coordinates of the field.
@@ -235,7 +235,7 @@ bool update_in_place(const SurfaceFunction& function, TriangleMesh& mesh, std::s
 }
 
 /// Why options or function ask for all of the mesh; empty: they do not.
-std::string why_whole(const SurfaceFunction& function, const MeshOptions& options) {
+std::string why_whole(const FittedFunction& function, const MeshOptions& options) {
   if (is_walked(function, options)) return "it is walked, from all samples";
   if (options.triangles) return "a number of triangles is one of the whole mesh";
   if (options.trim || options.box) return "what is cut off is cut off of the whole mesh";
@@ -248,7 +248,7 @@ std::string why_whole(const SurfaceFunction& function, const MeshOptions& option
 
 }  // namespace
 
-MeshMatch match_mesh(const SurfaceFunction& function, const TriangleMesh& mesh, std::span<const Box3> except) {
+MeshMatch match_mesh(const FittedFunction& function, const TriangleMesh& mesh, std::span<const Box3> except) {
   const std::vector<Box3> left_out(except.begin(), except.end());
   std::vector<Vec3> x;
   const std::size_t stride = 1 + mesh.vertices.size() / kLookedAt;
@@ -279,7 +279,7 @@ MeshMatch match_mesh(const SurfaceFunction& function, const TriangleMesh& mesh, 
   return match;
 }
 
-TriangleMesh update_mesh(const SurfaceFunction& function, TriangleMesh before, std::span<const Box3> changed,
+TriangleMesh update_mesh(const FittedFunction& function, TriangleMesh before, std::span<const Box3> changed,
                          const MeshOptions& options, Progress& progress, MeshUpdate* update) {
   options.validate();
   MeshUpdate local;

@@ -7,29 +7,20 @@
 #include <vector>
 
 #include "sansmesh/box.h"
-#include "sansmesh/function/surface_function.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/function_edits.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
-
-struct MeshUpdate {
-  bool local = false;                  ///< false: the whole mesh was made anew
-  std::size_t removed = 0, added = 0;  ///< triangles
-  std::size_t regions = 0;             ///< apart from each other, that were cut out again
-  std::string why;                     ///< why the whole was made anew, for people to read; empty if it was not
-
-  static const ReportSchema& schema();
-};
 
 /// The mesh of an edited function, from the mesh that mesh_function made of it before with the same options: only what
 /// lies around `changed` (input coordinates, FunctionEditor::changed) is made anew, and joined where old and new have
 /// the same triangles. The same goes for what lies around the few vertices that are off the surface elsewhere, as in a
 /// mesh that is older than an edit. The whole mesh is made anew where that fails, where some of the surface is open,
 /// and where the mesh turns out to be another one. `before` may have gone through a file.
-TriangleMesh update_mesh(const SurfaceFunction& function, TriangleMesh before, std::span<const Box3> changed,
+TriangleMesh update_mesh(const FittedFunction& function, TriangleMesh before, std::span<const Box3> changed,
                          const MeshOptions& options, Progress& progress, MeshUpdate* update = nullptr);
 
 /// How far a mesh is one of a function, whoever made it and with whatever triangles.
@@ -43,8 +34,9 @@ struct MeshMatch {
   /// Fewer are off than a mesh of the function has where it is steep.
   bool belongs() const { return vertices > 0 && 10 * on >= 9 * vertices; }
 };
+
 /// Looks at some tens of thousands of vertices, spread over the mesh. On the surface is what lies within the samples'
 /// spacing, or twice their noise if that is more. Vertices in the boxes `except` (input coordinates) are not looked at.
-MeshMatch match_mesh(const SurfaceFunction& function, const TriangleMesh& mesh, std::span<const Box3> except = {});
+MeshMatch match_mesh(const FittedFunction& function, const TriangleMesh& mesh, std::span<const Box3> except = {});
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,6 @@
-#include "sansmesh/jobs/align.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/mesh/align_surfaces.h"
 
 #include <fmt/core.h>
 

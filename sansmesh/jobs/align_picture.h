@@ -2,7 +2,7 @@
 #pragma once
 
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/align.h"
+#include "sansmesh/inspect.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
 

@@ -1,4 +1,8 @@
-#include "sansmesh/jobs/any_surface.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/dataset/isosurface.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/jobs/isosurface.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <utility>
 
@@ -8,7 +12,7 @@
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/measure/field_signed_distance.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -48,11 +52,8 @@ AnySurface::AnySurface(TriangleMesh mesh, std::string name)
       kind_(mesh.triangles.empty() ? Kind::points : Kind::mesh),
       mesh_(std::make_shared<const TriangleMesh>(std::move(mesh))) {}
 
-AnySurface::AnySurface(std::shared_ptr<const SurfaceFunction> function, std::string name)
-    : name_(std::move(name)),
-      kind_(Kind::function),
-      function_(std::move(function)),
-      field_(kept_field(function_, function_->field, function_->place)) {}
+AnySurface::AnySurface(SurfaceFunction function, std::string name)
+    : name_(std::move(name)), kind_(Kind::function), function_(std::move(function)), field_(function_->field()) {}
 
 AnySurface::AnySurface(std::shared_ptr<const Isosurface> isosurface, std::string name)
     : name_(std::move(name)),
@@ -84,7 +85,7 @@ std::shared_ptr<const TriangleMesh> AnySurface::mesh(Progress& progress, std::ve
       return made;
     }
     MeshReport report;
-    auto made = std::make_shared<const TriangleMesh>(mesh_function(*function_, {}, progress, &report));
+    auto made = std::make_shared<const TriangleMesh>(mesh_function(function_->fitted(), {}, progress, &report));
     add_notes(notes, "mesh", report.warnings, name_);
     return made;
   });
@@ -92,10 +93,7 @@ std::shared_ptr<const TriangleMesh> AnySurface::mesh(Progress& progress, std::ve
 
 Box3 AnySurface::bounds() const {
   if (isosurface_) return field_->bounds();
-  if (function_) {
-    const Box3f box = sansmesh::bounds(*function_->samples);
-    return box.empty() ? field_->bounds() : function_->place.to_input(box);
-  }
+  if (function_) return function_->bounds();
   Box3 box;
   for (const Vec3f& p : mesh_->vertices)
     if (is_finite(p)) box.extend(mesh_->origin + Vec3(p));

@@ -1,4 +1,9 @@
-#include "sansmesh/jobs/assess.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/mesh/mesh_coverage.h"
+#include "sansmesh/mesh/mesh_distance.h"
+#include "sansmesh/option.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,8 @@
-#include "sansmesh/jobs/compare.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/measure/distance_map.h"
+#include "sansmesh/option.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 
@@ -11,7 +15,6 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/align.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/refine_edges.h"
 

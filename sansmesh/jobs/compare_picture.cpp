@@ -1,4 +1,8 @@
 #include "sansmesh/jobs/compare_picture.h"
+#include "sansmesh/image.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/measure/distance_map.h"
+#include "sansmesh/partition/paper_options.h"
 
 #include <fmt/core.h>
 

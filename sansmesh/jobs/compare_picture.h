@@ -4,7 +4,7 @@
 #include <string>
 
 #include "sansmesh/image.h"
-#include "sansmesh/jobs/compare.h"
+#include "sansmesh/inspect.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/render_options.h"
 

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/convert_steps.h"
+#include "sansmesh/convert.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/curvature.h"
+#include "sansmesh/points.h"
 
 #include <fmt/core.h>
 

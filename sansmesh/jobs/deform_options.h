@@ -7,10 +7,11 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/dataset/resample_volume.h"
-#include "sansmesh/measure/cut_plane.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/option.h"
 #include "sansmesh/render/volume_options.h"
+#include "sansmesh/repair.h"
+#include "sansmesh/solid_measures.h"
 
 namespace sansmesh::inline v1 {
 

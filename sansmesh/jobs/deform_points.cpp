@@ -10,7 +10,7 @@
 #include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -11,12 +11,15 @@
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/deformed_field.h"
 #include "sansmesh/field/inverse_map.h"
-#include "sansmesh/field/placed_field.h"
 #include "sansmesh/function/mesh_function.h"
+#include "sansmesh/image.h"
 #include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/deform_parts.h"
+#include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/render/surface_caster.h"
+#include "sansmesh/repair.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -68,11 +71,6 @@ BallUnion balls_of(const TriangleMesh& mesh) {
   return balls;
 }
 
-struct PlacedFunction {
-  std::shared_ptr<const SurfaceFunction> function;
-  PlacedField field;
-};
-
 /// All that the poses of one solid share.
 class SolidPoses {
  public:
@@ -83,14 +81,10 @@ class SolidPoses {
         aim_(aim),
         options_(options),
         progress_(progress),
-        function_(solid.whole_function()),
-        field_(std::make_shared<const Solid>(solid.solid)) {
+        function_(solid.parts().whole_function()),
+        field_(std::make_shared<const Solid>(solid.parts().solid)) {
     // Sections are those of the function itself, which ends where its samples end.
-    if (function_ && aim == DeformAim::sections) {
-      const auto placed = std::make_shared<const PlacedFunction>(
-          PlacedFunction{function_, PlacedField(function_->field, function_->place)});
-      field_ = std::shared_ptr<const ScalarField>(placed, &placed->field);
-    }
+    if (function_ && aim == DeformAim::sections) field_ = function_->field();
     before_ = field_->bounds();
     if (aim == DeformAim::picture) framed_ = places_of_poses(deformation, before_, options, false);
     open_ = function_ && is_open(*function_) && !options.box;
@@ -113,7 +107,7 @@ class SolidPoses {
   }
 
   DeformResult result() {
-    folds_.add_note(solid_.expression, result_.notes);
+    folds_.add_note(solid_.expression(), result_.notes);
     result_.report.folds = folds_.worst();
     return std::move(result_);
   }
@@ -130,7 +124,7 @@ class SolidPoses {
   /// The mesh of a surface that bounds no solid, its vertices carried by the inverse of the map that fields are seen
   /// by.
   TriangleMesh mesh_of_open(const DeformationMaps& maps) {
-    TriangleMesh mesh = mesh_function(*function_, {}, progress_);
+    TriangleMesh mesh = mesh_function(function_->fitted(), {}, progress_);
     if (!deformation_.cuts().empty())
       return deform_mesh(open_along_cuts(std::move(mesh), deformation_.cuts()), *maps.forward);
     const double size = static_cast<double>(bounds(mesh).diagonal());
@@ -146,7 +140,7 @@ class SolidPoses {
   void note_once(const char* code, const std::string& text) {
     std::vector<Note>& notes = result_.notes;
     if (std::none_of(notes.begin(), notes.end(), [&](const Note& n) { return n.text == text; }))
-      notes.push_back({.code = code, .text = text, .remedy = {}, .of = solid_.expression});
+      notes.push_back({.code = code, .text = text, .remedy = {}, .of = solid_.expression()});
   }
 
   DeformedPose of_open(const DeformationMaps& maps, double share) {
@@ -201,7 +195,7 @@ class SolidPoses {
   DeformAim aim_;
   const DeformOptions& options_;
   Progress& progress_;
-  std::shared_ptr<const SurfaceFunction> function_;
+  const SurfaceFunction* function_;           ///< null of other solids
   std::shared_ptr<const ScalarField> field_;  ///< what is deformed
   Box3 before_;
   std::vector<Vec3> framed_;
@@ -217,7 +211,7 @@ DeformResult deform(const SolidModel& solid, const Deformation& deformation, Def
   options.validate(aim);
   if (options.refine) throw ArgumentError("`refine` is for meshes: functions are cut out as fine as they need");
   SolidPoses poses(solid, deformation, aim, options, progress);
-  for (int k = 0; k < options.poses(); ++k) use(k, with_name(solid.expression, [&] { return poses.at(k); }));
+  for (int k = 0; k < options.poses(); ++k) use(k, with_name(solid.expression(), [&] { return poses.at(k); }));
   return poses.result();
 }
 

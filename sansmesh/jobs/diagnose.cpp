@@ -47,8 +47,8 @@ std::string ListedPlace::worst_words() const {
 
 DiagnoseResult diagnose(const SurfaceFunction& function, const DiagnoseOptions& options, Progress& progress) {
   DiagnoseResult result;
-  result.fits = function.field.report().functions;
-  result.diagnosis = diagnose_function(function, options, progress);
+  result.fits = function.fitted().field.report().functions;
+  result.diagnosis = diagnose_function(function.fitted(), options, progress);
   result.places = listed_places(result.diagnosis);
   result.edits = result.diagnosis.edits();
   return result;

@@ -108,7 +108,7 @@ class ObjectScene {
   }
 
   Drawn function(PictureObject& object, std::size_t k, const std::string& color) {
-    meshless_.push_back(std::make_unique<MeshlessObject>(make_surface_model(std::move(*object.function)), progress_));
+    meshless_.push_back(std::make_unique<MeshlessObject>(make_surface_model(object.function->fitted()), progress_));
     const auto& [model, caster] = *meshless_.back();
     add_notes(result_.notes, "surface", model.warnings(), object.name);
     const SurfaceRenderOptions look = look_of(k, color, model.colors() != nullptr);

@@ -93,7 +93,7 @@ class SurfacePainter {
 /// samples are of its faces.
 SurfaceModel model_of(PictureObject& object, const PictureOptions& o, std::optional<CurvedVertices>& mesh,
                       Progress& progress) {
-  if (object.function) return make_surface_model(std::move(*object.function));
+  if (object.function) return make_surface_model(object.function->fitted());
   if (is_curvature(o.color_by)) mesh = curved_vertices(object.points, o.cloud, progress);
   PreparedCloud cloud = prepare_cloud(std::move(object.points), o.cloud, progress);
   return o.surface ? make_surface_model(std::move(cloud), *o.surface, progress)

@@ -1,4 +1,7 @@
-#include "sansmesh/jobs/edit.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/function/edit_function.h"
+#include "sansmesh/function/update_mesh.h"
+#include "sansmesh/functions.h"
 
 #include <fmt/core.h>
 
@@ -16,7 +19,7 @@ namespace {
 /// Throws DataError unless it is a mesh of the function, whoever made it.
 void check_mesh(const EditInput& input) {
   if (input.mesh->triangles.empty()) throw DataError(input.mesh_name + ": has no triangles");
-  const MeshMatch match = match_mesh(input.function, *input.mesh);
+  const MeshMatch match = match_mesh(input.function.fitted(), *input.mesh);
   if (match.belongs()) return;
   const Vec3& at = match.farthest_at;
   throw DataError(
@@ -31,7 +34,7 @@ void check_mesh(const EditInput& input) {
 EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_mesh, Progress& progress) {
   if (input.mesh) check_mesh(input);
   std::vector<EditReport> steps;
-  FunctionEditor editor(std::move(input.function));
+  FunctionEditor editor(input.function.fitted());
   for (std::size_t i = 0; i < edits.size(); ++i) {
     const std::string step = fmt::format("step {}: ", i + 1);
     try {
@@ -42,7 +45,7 @@ EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_m
       throw DataError(input.name + ": " + step + error.what());
     }
   }
-  EditedFunction result{.function = editor.function(), .steps = std::move(steps)};
+  EditedFunction result{.function = SurfaceFunction(editor.function()), .steps = std::move(steps)};
   try {
     if (make_mesh)
       result.mesh = input.mesh ? update_mesh(editor.function(), std::move(*input.mesh), editor.changed(), {}, progress,
@@ -58,7 +61,7 @@ namespace {
 
 constexpr ReportRow kEditedFunctionRows[] = {
     reported<&EditedFunction::steps>({.text = "Edits, one after the other"}),
-    reported<[](const EditedFunction& r) { return r.function.field.report().functions; }>(
+    reported<[](const EditedFunction& r) { return r.function.fitted().field.report().functions; }>(
         {.name = "output.fits", .text = "Local fits of the function"}),
     reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.mesh.triangles.size()); }>(
         {.name = "mesh.triangles", .text = "Triangles of the mesh, if one was made"}),

@@ -1,4 +1,7 @@
-#include "sansmesh/jobs/fill.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/mesh/fill_holes.h"
+#include "sansmesh/repair.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "sansmesh/function/surface_function.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/points/sights.h"
+#include "sansmesh/surface_function.h"
 
 namespace sansmesh::inline v1 {
 

@@ -1,4 +1,10 @@
-#include "sansmesh/jobs/info.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/partition/partition_data.h"
+#include "sansmesh/points.h"
+#include "sansmesh/points/given_normals.h"
+#include "sansmesh/points/noise.h"
 
 #include <fmt/format.h>
 
@@ -87,7 +93,8 @@ CloudInfo info(const PointSet& points, Progress& progress) {
   return info;
 }
 
-FunctionInfo info(const SurfaceFunction& function) {
+FunctionInfo info(const SurfaceFunction& told) {
+  const FittedFunction& function = told.fitted();
   const PartitionReport& r = function.field.report();
   const Placement& place = function.place;
   FunctionInfo info;
@@ -104,6 +111,7 @@ FunctionInfo info(const SurfaceFunction& function) {
   info.deviation = place.to_input(r.noise);
   info.accuracy = place.to_input(r.accuracy);
   info.history = function.history;
+  info.paper = function.paper;
   return info;
 }
 
@@ -123,6 +131,7 @@ constexpr ReportRow kFunctionInfoRows[] = {
         {.text = "Root mean square distance of the samples from the surface", .unit = "length"}),
     reported<&FunctionInfo::accuracy>({.text = "Expected error of the surface", .unit = "length"}),
     reported<&FunctionInfo::cube>({.text = "Corners of the cube of the tree", .unit = "length"}),
+    reported<&FunctionInfo::paper>({.text = "How blocks came to be, of fits as the sources have them"}),
     reported<&FunctionInfo::history>({.text = "Edits that were made"})};
 
 }  // namespace

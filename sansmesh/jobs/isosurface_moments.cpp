@@ -11,8 +11,8 @@
 #include "sansmesh/dataset/isosurface_in_time.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/simplify.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/polygonize/space_time_surface.h"
 
 namespace sansmesh::inline v1 {

@@ -1,4 +1,7 @@
-#include "sansmesh/jobs/measure.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/measure/body_measures.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,8 @@
-#include "sansmesh/jobs/normals.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/option.h"
+#include "sansmesh/points.h"
+#include "sansmesh/points/given_normals.h"
+#include "sansmesh/points/noise.h"
 
 #include <algorithm>
 #include <utility>

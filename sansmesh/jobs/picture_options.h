@@ -9,13 +9,14 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/function/surface_function.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
+#include "sansmesh/points.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/polyline_set.h"
 #include "sansmesh/render/render_options.h"
+#include "sansmesh/surface_function.h"
 
 namespace sansmesh::inline v1 {
 

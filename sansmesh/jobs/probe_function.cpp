@@ -1,4 +1,7 @@
-#include "sansmesh/jobs/probe_function.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/field/level_set_curvature.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/functions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,8 +29,9 @@ void ProbeFunctionResult::add_to(AttributeTable& attributes) const {
   add("k2", [](const LevelSetPoint& p) { return p.k2; });
 }
 
-ProbeFunctionResult probe_function(const SurfaceFunction& function, std::span<const Vec3> places, Progress& progress) {
+ProbeFunctionResult probe_function(const SurfaceFunction& probed, std::span<const Vec3> places, Progress& progress) {
   progress.begin("evaluate");
+  const FittedFunction& function = probed.fitted();
   const std::size_t n = places.size();
   std::vector<Vec3> x(n);
   for (std::size_t i = 0; i < n; ++i) x[i] = function.place.from_input(places[i]);

@@ -1,4 +1,11 @@
-#include "sansmesh/jobs/project.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/model/sample_surface.h"
+#include "sansmesh/model/surface_method.h"
+#include "sansmesh/model/surface_model.h"
+#include "sansmesh/option.h"
+#include "sansmesh/points.h"
+#include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/surface/lop.h"
 
 #include <fmt/core.h>
 

@@ -1,4 +1,14 @@
-#include "sansmesh/jobs/reconstruct.h"
+#include "sansmesh/reconstruct.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/model/surface_method.h"
+#include "sansmesh/model/surface_model.h"
+#include "sansmesh/option.h"
+#include "sansmesh/partition/partition_data.h"
+#include "sansmesh/points.h"
+#include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/repair.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 
@@ -9,7 +19,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/fit_words.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/model/surface_domain.h"
 #include "sansmesh/points/orient_words.h"
@@ -129,7 +139,7 @@ ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options
     reconstruct_surface(std::move(points), options, progress, result);
     return result;
   }
-  const SurfaceFunction function =
+  const FittedFunction function =
       fit_surface_function(prepare(std::move(points), options.cloud, progress, r), options.fit, progress);
   const PartitionReport& f = function.field.report();
   result.mesh = mesh_function(function, options.mesh, progress, &r);

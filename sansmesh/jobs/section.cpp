@@ -1,4 +1,7 @@
-#include "sansmesh/jobs/section.h"
+#include "sansmesh/measure/section.h"
+#include "sansmesh/inspect.h"
+#include "sansmesh/option.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

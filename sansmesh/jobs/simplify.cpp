@@ -1,4 +1,8 @@
-#include "sansmesh/jobs/simplify.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/mesh/mesh_distance.h"
+#include "sansmesh/option.h"
+#include "sansmesh/repair.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 
@@ -11,9 +15,9 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/components.h"
-#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/place_edges.h"
 #include "sansmesh/mesh/simplify.h"
+#include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
 namespace {

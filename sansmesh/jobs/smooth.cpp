@@ -1,4 +1,7 @@
-#include "sansmesh/jobs/smooth.h"
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/mesh/smooth_mesh.h"
+#include "sansmesh/repair.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

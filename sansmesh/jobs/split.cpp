@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/split.h"
+#include "sansmesh/convert.h"
 
 #include <fmt/core.h>
 

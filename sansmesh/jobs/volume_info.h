@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "sansmesh/box.h"
-#include "sansmesh/jobs/info.h"
 #include "sansmesh/jobs/volume_model.h"
 #include "sansmesh/note.h"
+#include "sansmesh/points.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/report.h"
 #include "sansmesh/sampled_volume.h"

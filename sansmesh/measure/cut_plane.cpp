@@ -1,4 +1,4 @@
-#include "sansmesh/measure/cut_plane.h"
+#include "sansmesh/solid_measures.h"
 
 #include <fmt/format.h>
 

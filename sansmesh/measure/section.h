@@ -7,34 +7,12 @@
 #include <vector>
 
 #include "sansmesh/box.h"
-#include "sansmesh/measure/cut_plane.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/report.h"
 #include "sansmesh/scalar_field.h"
+#include "sansmesh/solid_measures.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
-
-/// A polyline. Seen against the plane's normal (u to the right, v up) the solid lies to the left of its direction:
-/// outer boundaries run counter-clockwise, holes clockwise.
-struct SectionCurve {
-  std::vector<Vec3> points;                  ///< in space; the first is not repeated at the end of a closed curve
-  std::vector<std::array<double, 2>> plane;  ///< the same in the plane's coordinates (u, v)
-  bool closed = false;
-  double length = 0;
-  double area = 0;  ///< enclosed, with the sign of the direction: negative for holes; 0 if open
-};
-
-struct Section {
-  CutPlane plane;
-  std::vector<SectionCurve> curves;  ///< open ones first
-  double length = 0;
-  /// Sum over the closed curves: holes are subtracted. Negative if the surface faces inward.
-  double area = 0;
-  bool closed() const;  ///< whether every curve is
-
-  static const ReportSchema& schema();
-};
 
 /// Exact for the mesh. Vertices in the plane count as above it (simulation of simplicity, Edelsbrunner and Mücke 1990),
 /// so a closed mesh always gives closed curves, and a face that lies in the plane appears if the solid lies below it
@@ -62,6 +40,7 @@ struct FieldSectionOptions {
 /// domain. Zeros count as outside. The lattice is evaluated in parallel; the result does not depend on the number of
 /// threads.
 Section section_field(const ScalarField& field, const CutPlane& plane, const FieldSectionOptions& options = {});
+
 std::vector<Section> section_field(const ScalarField& field, std::span<const CutPlane> planes,
                                    const FieldSectionOptions& options, Progress& progress);
 

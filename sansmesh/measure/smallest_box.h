@@ -5,19 +5,10 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/report.h"
+#include "sansmesh/solid_measures.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
-
-/// A box in any direction.
-struct OrientedBox {
-  std::array<Vec3, 3> axes{};     ///< orthonormal, right-handed
-  std::array<double, 3> sizes{};  ///< along the axes, descending
-  Vec3 center;
-
-  static const ReportSchema& schema();
-};
 
 /// The smallest box around all points that was found, exactly around them: of boxes with a side that faces in one of
 /// 512 directions, or lies on three of the points where these are few, each turned as long as that makes it smaller.

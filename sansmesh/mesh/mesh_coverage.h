@@ -7,22 +7,12 @@
 #include <optional>
 #include <vector>
 
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
-
-/// How many of some places are far from all that they should be near.
-struct FarPlaces {
-  std::size_t looked_at = 0;  ///< places
-  double beyond = 0;          ///< what counts as far (length)
-  double share = 0;           ///< of the places that are far, 0..1
-  std::optional<Vec3> most;   ///< one around which most of those lie (input); nothing where none is far
-
-  static const ReportSchema& schema();
-};
 
 /// Samples farther than this from a mesh have no surface there: two spacings, and four times the noise (lengths).
 double lost_beyond(double spacing, double noise);
@@ -41,14 +31,6 @@ FarPlaces find_lost(const TriangleMesh& mesh, const PointSet& samples, double sp
 /// spread evenly over the area by a fixed rule, so the share is one of the area, and large triangles count by their
 /// parts. None where the mesh has no area.
 FarPlaces find_invented(const TriangleMesh& mesh, const PointSet& samples, double spacing, std::size_t places);
-
-struct MeshCoverage {
-  double spacing = 0, noise = 0;  ///< of the samples, as estimated (length)
-  FarPlaces lost;                 ///< samples without a surface
-  FarPlaces invented;             ///< surface without samples
-
-  static const ReportSchema& schema();
-};
 
 /// Both, with the spacing and noise that the samples have. `places` on the mesh, at least 1; every sample is asked.
 /// Origins may differ. The same for any number of threads. Throws DataError if no sample is finite, ArgumentError

@@ -1,4 +1,5 @@
 #include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/mesh_measures.h"
 
 #include <algorithm>
 #include <cmath>

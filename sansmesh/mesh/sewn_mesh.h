@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {

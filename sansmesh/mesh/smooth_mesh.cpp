@@ -14,9 +14,9 @@
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_quality.h"
-#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/place_edges.h"
 #include "sansmesh/mesh/vertex_corners.h"
+#include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
 namespace {

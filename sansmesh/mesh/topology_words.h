@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
 

@@ -1,4 +1,4 @@
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 
 #include <fmt/core.h>
 

@@ -13,7 +13,7 @@
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_quality.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/points/sample_colors.h"
 #include "sansmesh/points/sample_confidence.h"
 

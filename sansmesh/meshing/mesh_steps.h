@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sansmesh/mesh/components.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/polygonize/polygonize.h"

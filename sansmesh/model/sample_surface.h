@@ -3,31 +3,15 @@
 
 #include <cstddef>
 
+#include "sansmesh/error.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/report.h"
+#include "sansmesh/surface_options.h"
 
 namespace sansmesh::inline v1 {
-
-struct ProjectToSurface {
-  int steps = 10;           ///< at most, 1..1000
-  double tolerance = 1e-3;  ///< a step shorter than this share of the samples' spacing is the last, 1e-6..1
-
-  static const OptionSchema& schema();
-  /// Throws ArgumentError naming the field.
-  void validate() const;
-};
-
-struct SurfaceProjection {
-  std::size_t projected = 0;
-  std::size_t left_out = 0;                              ///< outside of the domain of definition, or too far from it
-  double mean_move = 0, rms_move = 0, largest_move = 0;  ///< distances (length, unit of the input)
-
-  static const ReportSchema& schema();
-};
 
 /// The surface that suits samples which are to be moved onto their own (docs/methods/projections.md has the table):
 /// `partition`, unless it moves them by more than their noise explains and `curvature`, whose fits are smaller, by

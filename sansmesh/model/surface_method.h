@@ -8,18 +8,20 @@
 #include <string_view>
 #include <vector>
 
+#include "sansmesh/error.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
+#include "sansmesh/option.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/schema/registry.h"
 #include "sansmesh/surface/surface_samples.h"
+#include "sansmesh/surface_options.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
-
-struct SurfaceOptions;
 
 /// Properties of a surface that its field does not tell.
 struct SurfaceTraits {
@@ -81,8 +83,5 @@ inline const SurfaceMethod& surface_method(std::string_view name) { return Surfa
 
 /// Names of those that use an option: "amls".
 std::string surfaces_that_use(std::string_view option);
-
-/// The surface that most begin with, and that function files keep: "partition".
-inline constexpr std::string_view kPartitionSurface = "partition";
 
 }  // namespace sansmesh::inline v1

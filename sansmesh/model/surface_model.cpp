@@ -1,4 +1,7 @@
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/option.h"
+#include "sansmesh/surface_options.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <algorithm>
 #include <mutex>
@@ -39,7 +42,7 @@ SurfaceOptions placed(SurfaceOptions options, const Placement& place) {
 BilateralOptions sharp_options(const SurfaceOptions& options) {
   BilateralOptions o;
   o.formula = *options.sharp, o.weights = options.weights;
-  if (o.formula == SurfaceOptions::SharpFormula::laguerre) {  // whose h and ε are those of the surface
+  if (o.formula == SharpFormula::laguerre) {  // whose h and ε are those of the surface
     o.epsilon = options.epsilon.value_or(o.epsilon);
     o.smoothing = options.smoothing, o.bandwidth = options.bandwidth;
   }
@@ -108,7 +111,7 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
   return SurfaceModel(std::move(state));
 }
 
-SurfaceModel make_surface_model(SurfaceFunction function) {
+SurfaceModel make_surface_model(FittedFunction function) {
   auto state = std::make_unique<SurfaceModel::State>();
   state->cloud.points = *function.samples;
   state->cloud.place = function.place;

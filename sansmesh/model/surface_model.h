@@ -8,19 +8,20 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/error.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/color_field.h"
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
-#include "sansmesh/function/surface_function.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/model/surface_method.h"
-#include "sansmesh/model/surface_options.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/report.h"
 #include "sansmesh/scalar_field.h"
+#include "sansmesh/surface_options.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh::inline v1 {
@@ -80,7 +81,7 @@ class SurfaceModel {
 
  private:
   friend SurfaceModel make_surface_model(PreparedCloud, const SurfaceOptions&, Progress&);
-  friend SurfaceModel make_surface_model(SurfaceFunction);
+  friend SurfaceModel make_surface_model(FittedFunction);
   explicit SurfaceModel(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
@@ -93,6 +94,6 @@ SurfaceModel make_surface_model(PreparedCloud cloud, const SurfaceOptions& optio
 SurfaceModel make_surface_model(PointSet points, const SurfaceOptions& options, Progress& progress);
 
 /// The same of a function that was fitted before: the surface "partition".
-SurfaceModel make_surface_model(SurfaceFunction function);
+SurfaceModel make_surface_model(FittedFunction function);
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-#include "sansmesh/model/surface_options.h"
+#include "sansmesh/surface_options.h"
 
 #include <fmt/core.h>
 

@@ -15,11 +15,6 @@ namespace sansmesh::inline v1 {
 /// Supports by their number, ascending.
 using Selection = std::vector<std::uint32_t>;
 
-/// Instead of a degree: for each support the highest that its samples allow, by their number and by what they cover of
-/// it; of a fit as the sources have it, no higher than its threshold needs. Where such a fit asked for no coverage, the
-/// thesis' thresholds stand in.
-constexpr int kAutomaticDegree = 99;
-
 /// The samples of a function, along the Morton curve of its root cube, relative to its origin.
 struct EditSamples {
   std::span<const Vec3f> positions, normals;

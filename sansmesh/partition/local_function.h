@@ -4,11 +4,11 @@
 #include <array>
 #include <cstdint>
 
+#include "sansmesh/fit_options.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
 
-constexpr int kMaxDegree = 4;
 /// Number of bivariate monomials up to degree d: (d+1)(d+2)/2.
 constexpr std::array<int, kMaxDegree + 1> kBasisSize{1, 3, 6, 10, 15};
 
@@ -30,6 +30,7 @@ struct LocalFunction {
 
   bool is_constant() const { return nu == Vec3f{}; }
 };
+
 /// f(x) of one piece, by itself.
 float local_value(const LocalFunction& f, const Vec3f& x);
 
@@ -37,6 +38,7 @@ float local_value(const LocalFunction& f, const Vec3f& x);
 struct HeightGradient {
   float u, v;
 };
+
 HeightGradient height_gradient(const LocalFunction& f, float u, float v);
 
 /// A proven bound for ‖∇f‖ in the ball of this radius around `center`: at least 1, about as large as the largest

@@ -16,29 +16,14 @@
 
 #include <cstddef>
 
+#include "sansmesh/fit_options.h"
 #include "sansmesh/partition/paper_options.h"
 #include "sansmesh/partition/partition_data.h"
 #include "sansmesh/partition/partition_of_unity.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
-
-/// How the blocks came to be.
-struct PaperReport {
-  std::size_t blocks = 0;      ///< of the tree of fits, all levels
-  std::size_t fitted = 0;      ///< leaves with a polynomial of their own samples
-  std::size_t borrowed = 0;    ///< leaves with too few samples: a plane of the nearest ones
-  std::size_t two_sheets = 0;  ///< subdivided since normals spread
-  std::size_t too_many = 0;    ///< subdivided without a fit
-  std::size_t not_worse = 0;   ///< with fewer than 100 samples: subdivided since the children are not worse
-  std::size_t kept = 0;        ///< with fewer than 100 samples: not subdivided since the children are worse
-  std::size_t above = 0;       ///< leaves whose error is above the threshold, or with two sheets
-  std::size_t balanced = 0;    ///< leaves that only balance subdivides: the mesh's blocks have their function
-
-  static const ReportSchema& schema();
-};
 
 /// Fits to points with oriented normals. Throws DataError for fewer than 4 points or a cloud without extent,
 /// ArgumentError for options out of range. `sorted`, if given, receives the points along the Morton curve of the root

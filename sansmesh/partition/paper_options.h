@@ -4,18 +4,10 @@
 #include <array>
 #include <cstddef>
 
+#include "sansmesh/fit_options.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh::inline v1 {
-
-/// Least coverage for degrees 2, 3 and 4: area of the box of the projected samples over that of the projected support.
-using PaperCoverage = std::array<double, 3>;
-/// tejada2008, section 4.4.3.
-constexpr PaperCoverage kThesisCoverage{0.40, 0.80, 0.85};
-/// polizelli, section 3.2.
-constexpr PaperCoverage kPaperCoverage{0.85, 0.90, 0.95};
-/// Without the test: what both sources show the effect of it against.
-constexpr PaperCoverage kNoCoverage{0, 0, 0};
 
 struct PaperOptions {
   /// Accepted rms distance of a support's samples from its polynomial over the diagonal of the box of all samples:

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/core/shared_array.h"
+#include "sansmesh/fit_options.h"
 #include "sansmesh/partition/local_function.h"
 #include "sansmesh/partition/paper_options.h"
 #include "sansmesh/vec.h"
@@ -33,9 +34,6 @@ struct PartitionOptions {
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
-
-/// Number of local functions of each degree.
-using FitsOfDegree = std::array<std::size_t, kMaxDegree + 1>;
 
 /// What fitting learned about the data.
 struct PartitionReport {
@@ -67,6 +65,7 @@ struct Support {
   std::uint8_t creased = 0;  ///< 1: there is a crease or corner in it
   std::uint8_t open = 0;     ///< 1: on a sheet that bounds no solid (sheets that end: openness.h)
 };
+
 static_assert(sizeof(Support) == 40 && alignof(Support) == 8);
 
 /// How a fit came to its scales: what is needed to refit a part of it as if it had been part of the whole.

@@ -1,4 +1,8 @@
 #include "sansmesh/partition/partition_edit.h"
+#include "sansmesh/fit_options.h"
+#include "sansmesh/option.h"
+#include "sansmesh/partition/local_fit.h"
+#include "sansmesh/triangle_mesh.h"
 
 #include <fmt/core.h>
 

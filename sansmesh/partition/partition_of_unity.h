@@ -7,14 +7,10 @@
 
 #include "sansmesh/partition/partition_data.h"
 #include "sansmesh/scalar_field.h"
+#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
 
 namespace sansmesh::inline v1 {
-
-/// Gradients of functions that fit their samples are shorter than this, but for one in a thousand: longer ones come
-/// from sheets that are too close to each other, rims, and samples that contradict each other. No bound: that is
-/// ranges().
-constexpr double kSoundSlope = 3;
 
 struct PartitionState;
 

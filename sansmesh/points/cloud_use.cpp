@@ -1,4 +1,4 @@
-#include "sansmesh/points/cloud_use.h"
+#include "sansmesh/cloud_options.h"
 
 #include <string>
 #include <string_view>

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "sansmesh/cloud_options.h"
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
@@ -11,25 +12,6 @@
 namespace sansmesh::inline v1 {
 
 class KdTree;
-
-struct NormalOptions {
-  enum class Method {
-    covariance,  ///< plane through the neighbours: direction of least variance (Hoppe et al. 1992)
-    jet          ///< quadratic height function over that plane (Cazals & Pouget 2005): unbiased by curvature
-  };
-  Method method = Method::jet;
-  /// Samples in a neighbourhood, 6..500; default: `choose_neighbours` of the estimated spacing and noise.
-  std::optional<int> neighbours = {};
-  /// Rounds of reweighting, 0..10, that reduce the weight of samples off the fitted plane: outliers, the other side of
-  /// a crease or of a thin sheet. Sharper at creases, a little less steady under noise, half as fast.
-  int reweightings = 0;
-  /// Known spacing and noise (lengths), to save their estimation; used where `neighbours` is absent.
-  std::optional<double> spacing = {}, noise = {};
-
-  static const OptionSchema& schema();
-  /// Throws ArgumentError naming the field.
-  void validate() const;
-};
 
 /// Neighbours that keep the error of the normals from the noise near a few degrees: more where the noise is large
 /// against the spacing.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "sansmesh/cloud_options.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/sights.h"
 #include "sansmesh/progress.h"
@@ -11,34 +12,6 @@
 namespace sansmesh::inline v1 {
 
 class KdTree;
-
-enum class OrientationCheck {
-  missing,     ///< no normals, or hardly any
-  oriented,    ///< consistent and outward as far as can be told
-  inward,      ///< consistent but pointing into the shape
-  unoriented,  ///< neighbouring normals disagree in sign systematically
-};
-
-/// What `check_orientation` sees, in numbers.
-struct OrientationReport {
-  OrientationCheck check = OrientationCheck::missing;
-  /// What neighbouring normals say of each other's signs, by its weight: the share that confirms those they have.
-  /// 1: no contradiction; about ½: signs, or normals, at random.
-  double agreement = 0;
-  /// Share of the samples whose normals have to do with those of their neighbours at all: hardly any of normals at
-  /// random.
-  double related = 0;
-  /// Shares of the samples: in closed parts whose normals point outward, or inward, and in parts that are so far from
-  /// closed that they have no outside. They add up to 1.
-  double outward = 0, inward = 0, open = 0;
-  /// Share of the samples, in closed parts, around which the normals do not enclose what they should (`winding_doubt`):
-  /// seen from afar, where agreement is between neighbours.
-  double doubt = 0;
-
-  /// Whether signs that are consistent are right, too, for all but a few of the samples: agreement is the better the
-  /// smoother normals are, and noise as large as the shape is thin hides which side is out.
-  bool certain() const;
-};
 
 /// Normals with less agreement, or of which fewer are related, are not oriented.
 inline constexpr double kLeastAgreement = 0.9, kLeastRelated = 0.5;

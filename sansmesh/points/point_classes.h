@@ -8,24 +8,11 @@
 #include <string>
 #include <string_view>
 
+#include "sansmesh/attribute_table.h"
+#include "sansmesh/cloud_options.h"
 #include "sansmesh/point_set.h"
 
 namespace sansmesh::inline v1 {
-
-/// Classes 0 to 255, numbered as in the LAS specification of the ASPRS: below 64 as there, above as the user defines
-/// them.
-using PointClasses = std::bitset<256>;
-
-/// Reads a list with commas: numbers, ranges of them ("3-5") and names, in lower or upper case, of one class ("ground")
-/// or of several ("vegetation": 3 to 5, "noise": 7 and 18, "wire": 13, 14 and 16). Throws ArgumentError, which lists
-/// the names, for what is none of them.
-PointClasses parse_point_classes(std::string_view list);
-
-/// "2,3-5": what parse_point_classes reads as these classes.
-std::string point_classes_text(const PointClasses& classes);
-
-/// "ground"; empty for classes without a name.
-std::string_view point_class_name(unsigned number);
 
 /// The attribute that holds the class of each point, by its name in some capitals or other: classification (LAS, PDAL),
 /// scalar_Classification (CloudCompare) or class, of one component. Null if there is none.

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/cloud_options.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
-#include "sansmesh/points/cloud_use.h"
 #include "sansmesh/points/face_shape.h"
 #include "sansmesh/points/sights.h"
 #include "sansmesh/progress.h"

@@ -5,25 +5,13 @@
 #include <string_view>
 #include <vector>
 
+#include "sansmesh/cloud_options.h"
 #include "sansmesh/point_set.h"
 
 namespace sansmesh::inline v1 {
 
-/// From what the signs of normals are taken, in the order in which it is trusted.
-enum class OrientBy {
-  automatic,    ///< the first of the following that there is
-  scanner,      ///< the positions of scanners (PointSet::scanners)
-  rows,         ///< rows and columns of a frame (PointSet::grid_normals)
-  flight,       ///< the flight lines of a survey (`directions_to_flight`)
-  up,           ///< z: terrain is seen from above
-  propagation,  ///< neighbours agree, and each connected part looks outward
-};
-
 /// Those that say of each sample from where it was seen, in this order.
 inline constexpr std::array kOrientationOrder{OrientBy::scanner, OrientBy::rows, OrientBy::flight, OrientBy::up};
-
-/// What the signs were taken from: "by scanner position", "upward, as terrain".
-std::string_view orientation_words(OrientBy by);
 
 /// For each sample the unit direction to where it was seen from, or zero where that is not known. Empty where nothing
 /// of the kind is known, as of `automatic` and `propagation`. `up` is z, whatever the cloud is like.

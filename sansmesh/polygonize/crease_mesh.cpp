@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/simplify.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/polygonize/crease_thin.h"
 #include "sansmesh/polygonize/crease_zone.h"
 #include "sansmesh/polygonize/piece_mesh.h"

@@ -8,10 +8,12 @@
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/surface/surface_samples.h"
+#include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 
 struct BilateralOptions {
+  using Formula = SharpFormula;
   /// σ: samples farther than this from the tangent plane at the point count little (length); default: a third of the
   /// local spacing, and the noise.
   std::optional<double> height = {};
@@ -21,10 +23,7 @@ struct BilateralOptions {
   /// 0.4: 23°) count little; the source has no such term, but next to an edge the heights alone leave a tilt.
   double turn = 0.4;
   int iterations = 4;  ///< 0..20
-  /// The bilateral weights below; or the source's: Laguerre's polynomial of the combined argument
-  /// s_i = ε ‖x − x_i‖²/h² + ⟨n, x_i − x⟩²/(2σ²), (35/8 − 7/2 s + ½ s²) e^{−s}, with one h for the cloud and nothing
-  /// else. For evenly spread samples: its negative values make much of what chance leaves out.
-  enum class Formula { bilateral, laguerre } formula = Formula::bilateral;
+  SharpFormula formula = SharpFormula::bilateral;
   double epsilon = 1;                                ///< laguerre: ε, 0.05..20
   std::optional<double> bandwidth = {};              ///< h as one length, in place of `smoothing`
   SurfaceWeights weights = SurfaceWeights::compact;  ///< bilateral: those of distance

@@ -9,7 +9,7 @@
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
-#include "sansmesh/surface/curvature_options.h"
+#include "sansmesh/surface_options.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {

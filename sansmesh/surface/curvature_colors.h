@@ -16,7 +16,7 @@
 namespace sansmesh::inline v1 {
 
 struct CurvatureColorOptions {
-  enum class Quantity { mean, gaussian, k1, k2 };
+  using Quantity = CurvatureQuantity;
   Quantity quantity = Quantity::mean;
   /// The absolute value (1 / length, for `gaussian` 1 / length²; > 0) that gets the full colour. Default: that exceeded
   /// by one sample in twenty.

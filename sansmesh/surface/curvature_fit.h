@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "sansmesh/surface/curvature_options.h"
+#include "sansmesh/surface_options.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1::detail {

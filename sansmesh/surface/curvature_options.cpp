@@ -1,4 +1,4 @@
-#include "sansmesh/surface/curvature_options.h"
+#include "sansmesh/surface_options.h"
 
 #include <cmath>
 #include <numbers>

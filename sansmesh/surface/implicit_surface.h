@@ -33,6 +33,7 @@ inline constexpr std::string_view kImplicitMethods[] = {"hoppe",    "adamson", "
 ImplicitMethod implicit_method(std::string_view name);
 
 struct ImplicitOptions {
+  using Normal = SurfaceNormal;
   ImplicitMethod method = ImplicitMethod::apss;
   /// Width h of the weights, exp(−d²/h²) or the compact (1 − d²/(2h)²)⁴ that resembles it, as a multiple of the local
   /// spacing of the samples, 0.5..20; default: from the noise.
@@ -45,9 +46,7 @@ struct ImplicitOptions {
   /// Where it is given, h is by itself that of the other methods.
   std::optional<double> epsilon = {};
   SurfaceWeights weights = SurfaceWeights::compact;  ///< not of hoppe; amls is always Gaussian: one h for all
-  /// The method's own; or, adamson: the direction of least weighted covariance about x in place of the mean normal
-  /// (the source's); amls: N(x) = Σ n_i φ_i(x), iterated as the values are, as a NormalField beside the gradient.
-  enum class Normal { standard, covariance, iterated } normal = Normal::standard;
+  SurfaceNormal normal = SurfaceNormal::standard;
   bool separate_sheets = true;  ///< samples that face away from those nearby are ignored
   /// Radius of the balls that the surface is defined in, as a multiple of the local spacing, 0.5..10; default:
   /// `default_reach`.

@@ -24,6 +24,10 @@ inline constexpr std::string_view kProjectionMethods[] = {"levin", "alexa", "cur
 ProjectionMethod projection_method(std::string_view name);
 
 struct ProjectionOptions {
+  using Polynomial = SurfacePolynomial;
+  using Plane = SurfacePlane;
+  using Flow = SurfaceFlow;
+  using Diffusion = SurfaceDiffusion;
   ProjectionMethod method = ProjectionMethod::curvature;
   /// Width of the weights over the local spacing, 0.5..20; default: from the noise.
   std::optional<double> smoothing = {};
@@ -31,21 +35,12 @@ struct ProjectionOptions {
   bool separate_sheets = true;           ///< samples that face away from those nearby are ignored
   /// Radius of the domain's balls over the local spacing, 0.5..10; default: `default_reach`.
   std::optional<double> reach = {};
-  /// curvature: what to do about samples whose directional curvature exceeds λ: soft, they count less (Lange & Polthier
-  /// 2005, g = λ²/(λ² + 10(|κ| − λ)²)); hard, not at all; none.
-  enum class Diffusion { none, soft, hard } diffusion = Diffusion::none;
+  SurfaceDiffusion diffusion = SurfaceDiffusion::none;
   double threshold = 1;  ///< curvature: λ times the width, > 0
   int tau = 2;           ///< curvature: exponent of the M-like weights, 1..3
-  /// curvature: how a foot on the mean plane gets onto the surface: by the offset of the fit; or, as in the source, by
-  /// steps x ← x + Δt (1/Ω) Σ ω_i g_i (x_i − x) to the fixed point, along the normal alone or freely, and then the fit
-  /// without an offset. g_i are those of `diffusion`.
-  enum class Flow { fit, normal, free } flow = Flow::fit;
-  /// levin: how the plane is found: weighted planes about the foot of the last one, six times; or the least of
-  /// Σ ⟨n, x_i − r − t n⟩² w(‖x_i − r − t n‖) over n and t, to convergence.
-  enum class Plane { iterated, nonlinear } plane = Plane::iterated;
-  /// levin, alexa: the polynomial over the plane, of degree 1 to 4 or [x², y², xy, 1]; lower where the samples do not
-  /// determine it.
-  enum class Polynomial { linear = 1, quadratic, cubic, quartic, incomplete } polynomial = Polynomial::quadratic;
+  SurfaceFlow flow = SurfaceFlow::fit;
+  SurfacePlane plane = SurfacePlane::iterated;
+  SurfacePolynomial polynomial = SurfacePolynomial::quadratic;
   SurfaceWeights weights = SurfaceWeights::compact;
   /// Throws ArgumentError naming the field.
   void validate() const;

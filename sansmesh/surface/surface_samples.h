@@ -10,6 +10,7 @@
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
+#include "sansmesh/surface_options.h"
 
 namespace sansmesh::inline v1 {
 
@@ -27,13 +28,6 @@ struct SurfaceSamples {
   double evenness = 1;
 
   std::size_t size() const { return positions.size(); }
-};
-
-/// How samples are weighted by their distance d from a point.
-enum class SurfaceWeights {
-  compact,  ///< a_i (1 − d²/(2h_i)²)⁴: widths that follow the local spacing, and the area a_i that each sample stands
-            ///< for
-  gaussian  ///< exp(−d²/h²), cut off at √12 h: one h for the whole cloud, and all samples alike (the sources')
 };
 
 /// Samples without a position or a normal are left out. Throws DataError if there are no normals, or fewer than 9

@@ -1,4 +1,4 @@
-#include "sansmesh/advise/advise.h"
+#include "sansmesh/advice.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/io/transform_file.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/las_file.h"
 
 namespace sansmesh::test {

@@ -6,7 +6,7 @@
 #include "ball_volume.h"
 #include "run_tool.h"
 #include "sansmesh/io.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/mesh_shapes.h"
 
 namespace sansmesh::test {

@@ -7,7 +7,7 @@
 #include "sansmesh/affine_map.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/transform_file.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/mesh_shapes.h"
 #include "support/sanitizers.h"
 

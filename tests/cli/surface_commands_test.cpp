@@ -7,7 +7,7 @@
 
 #include "run_tool.h"
 #include "sansmesh/io.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
 #include "support/sanitizers.h"
@@ -139,7 +139,7 @@ TEST_F(SurfaceCommands, CurvatureOfASphere) {
   EXPECT_EQ(points.colors.size(), 2000u);
   EXPECT_LT(off_sphere(points, 5), 1e-4) << "points stay where they are";
   const Json gaussian = json_of({"curvature", "ball.ply", "-o", "curved.ply", "--color-by", "gaussian"});
-  EXPECT_NEAR(gaussian["gaussian"]["median"].get<double>(), 0.04, 0.002);
+  EXPECT_NEAR(gaussian["quantiles"]["median"].get<double>(), 0.04, 0.002);
 }
 
 TEST_F(SurfaceCommands, CurvatureOfAMeshIsAtItsVertices) {
@@ -149,7 +149,7 @@ TEST_F(SurfaceCommands, CurvatureOfAMeshIsAtItsVertices) {
   write_mesh(path("coarse.ply"), coarse);
   const Json json = json_of({"curvature", "coarse.ply", "-o", "curved.ply"});
   EXPECT_EQ(json["input"]["points"], coarse.vertices.size());
-  EXPECT_NEAR(json["mean"]["median"].get<double>(), 1, 1e-3);
+  EXPECT_NEAR(json["quantiles"]["median"].get<double>(), 1, 1e-3);
   EXPECT_EQ(json["undefined"], 0);
   EXPECT_TRUE(json["warnings"].empty()) << json["warnings"];
   const TriangleMesh curved = read_mesh(path("curved.ply"));
@@ -182,7 +182,7 @@ TEST_F(SurfaceCommands, CurvatureOfFewOrFlatVertices) {
   write_mesh(path("flat.ply"), flat);
   const Json json = json_of({"curvature", "flat.ply", "-o", "c.ply"});
   EXPECT_EQ(json["undefined"], 0);
-  EXPECT_NEAR(json["mean"]["q95"].get<double>(), 0, 1e-6);
+  EXPECT_NEAR(json["quantiles"]["q95"].get<double>(), 0, 1e-6);
 }
 
 TEST_F(SurfaceCommands, CurvatureAsATable) {

@@ -4,7 +4,7 @@
 
 #include "run_tool.h"
 #include "sansmesh/io.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/clouds.h"
 #include "support/las_file.h"
 #include "support/sanitizers.h"

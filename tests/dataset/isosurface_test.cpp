@@ -14,7 +14,6 @@
 
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"

@@ -15,7 +15,7 @@
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 #include "volume/volume_grids.h"

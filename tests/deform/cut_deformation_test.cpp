@@ -16,7 +16,7 @@
 #include "sansmesh/deform/open_mesh.h"
 #include "sansmesh/field/deformed_field.h"
 #include "sansmesh/mesh/deformed_mesh.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"

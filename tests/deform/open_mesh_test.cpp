@@ -13,8 +13,8 @@
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/deformed_mesh.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/planar_fill.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/mesh_checks.h"
 #include "support/mesh_shapes.h"
 

@@ -5,7 +5,7 @@
 
 #include "cli/run_tool.h"
 #include "sansmesh/io.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/clouds.h"
 
 namespace sansmesh::test {

@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/model/surface_method.h"
-#include "sansmesh/model/surface_options.h"
+#include "sansmesh/surface_options.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -33,7 +33,7 @@ std::vector<Vec3> points_in(const Box3& box, std::size_t count, unsigned seed = 
 std::shared_ptr<const Solid> shared(const Solid& s) { return std::make_shared<const Solid>(s); }
 
 /// Sheared and stretched; its determinant is 0.9 · 1.3 · 0.7.
-AffineMap sheared() { return {{Vec3{0.9, 0, 0}, Vec3{0.2, 1.3, 0}, Vec3{-0.1, 0.3, 0.7}}, {0.3, -2, 0.1}}; }
+AffineSpaceMap sheared() { return {{Vec3{0.9, 0, 0}, Vec3{0.2, 1.3, 0}, Vec3{-0.1, 0.3, 0.7}}, {0.3, -2, 0.1}}; }
 
 void expect_gradients(const ScalarField& field, std::span<const Vec3> x, double tolerance) {
   constexpr double h = 1e-6;
@@ -72,7 +72,7 @@ void expect_ranges_hold(const ScalarField& field, const Box3& box, double radius
 }
 
 TEST(DeformedField, TheIdentityChangesNothing) {
-  const auto map = std::make_shared<const AffineMap>(identity_map());
+  const auto map = std::make_shared<const AffineSpaceMap>(identity_map());
   for (const NamedSolid& s : catalogue()) {
     const DeformedField field(shared(s.solid), map);
     const std::vector<Vec3> x = points_in({{-2, -2, -2}, {2, 2, 2}}, 300);
@@ -90,7 +90,7 @@ TEST(DeformedField, TheIdentityChangesNothing) {
 }
 
 TEST(DeformedField, ABallUnderAnAffineMapIsAnEllipsoid) {
-  const DeformedField field(shared(sphere({0.2, -0.1, 0.3}, 0.9)), std::make_shared<const AffineMap>(sheared()));
+  const DeformedField field(shared(sphere({0.2, -0.1, 0.3}, 0.9)), std::make_shared<const AffineSpaceMap>(sheared()));
   Progress progress;
   CsgMeshReport report;
   CsgMeshOptions options;
@@ -232,7 +232,7 @@ TEST(DeformedField, NothingIsWhereTheMapIsNotDefined) {
 
 TEST(DeformedField, BoundsAreFoundFarAway) {
   Jacobian small{Vec3{0.01, 0, 0}, Vec3{0, 0.01, 0}, Vec3{0, 0, 0.01}};  // what is seen is a hundred times larger
-  const DeformedField large(shared(sphere({1, 2, 3}, 1)), std::make_shared<const AffineMap>(small, Vec3{5, 5, 5}));
+  const DeformedField large(shared(sphere({1, 2, 3}, 1)), std::make_shared<const AffineSpaceMap>(small, Vec3{5, 5, 5}));
   const Vec3 center{-400, -300, -200};
   for (std::size_t k = 0; k < 3; ++k) {
     EXPECT_LT(large.bounds().lower[k], center[k] - 100);
@@ -240,10 +240,10 @@ TEST(DeformedField, BoundsAreFoundFarAway) {
     EXPECT_GT(large.bounds().upper[k], center[k] + 100);
     EXPECT_LT(large.bounds().upper[k], center[k] + 130);
   }
-  const AffineMap nowhere({Vec3{}, Vec3{}, Vec3{}}, {9, 9, 9});
-  EXPECT_THROW(DeformedField(shared(sphere({}, 1)), std::make_shared<const AffineMap>(nowhere)), DataError);
-  const AffineMap everywhere({Vec3{}, Vec3{}, Vec3{}}, {});
-  EXPECT_THROW(DeformedField(shared(sphere({}, 1)), std::make_shared<const AffineMap>(everywhere)), DataError);
+  const AffineSpaceMap nowhere({Vec3{}, Vec3{}, Vec3{}}, {9, 9, 9});
+  EXPECT_THROW(DeformedField(shared(sphere({}, 1)), std::make_shared<const AffineSpaceMap>(nowhere)), DataError);
+  const AffineSpaceMap everywhere({Vec3{}, Vec3{}, Vec3{}}, {});
+  EXPECT_THROW(DeformedField(shared(sphere({}, 1)), std::make_shared<const AffineSpaceMap>(everywhere)), DataError);
 }
 
 TEST(InverseMap, GoesBackAndSaysWhereItCannot) {
@@ -254,7 +254,7 @@ TEST(InverseMap, GoesBackAndSaysWhereItCannot) {
   const InverseAnswers back = inverse_map(twist, u, u);
   EXPECT_EQ(back.missed, 0u);
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_LT(norm(back.positions[i] - x[i]), 1e-9);
-  const AffineMap flat({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{}}, {});
+  const AffineSpaceMap flat({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{}}, {});
   const std::vector<Vec3> targets{{0.5, 0.5, 0}, {0.5, 0.5, 1}}, starts{{0, 0, 0.3}, {0, 0, 0.3}};
   const InverseAnswers some = inverse_map(flat, targets, starts);
   EXPECT_EQ(some.found, (std::vector<std::uint8_t>{1, 0}));
@@ -279,10 +279,10 @@ TEST(InverseMap, IsAMap) {
     for (std::size_t k = 0; k < 3; ++k) EXPECT_LT(norm(j[i][k] - expected[i][k]), 1e-9);
     EXPECT_LT(gaps[i], -1e300);
   }
-  const AffineMap flat({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{}}, {});
+  const AffineSpaceMap flat({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{}}, {});
   const std::vector<Vec3> off{{0, 0, 1}};
   std::vector<Vec3> nowhere(1);
-  InverseMap(std::make_shared<const AffineMap>(flat), 1e-9).map(off, {nowhere, {}, {}, {}});
+  InverseMap(std::make_shared<const AffineSpaceMap>(flat), 1e-9).map(off, {nowhere, {}, {}, {}});
   EXPECT_TRUE(std::isnan(nowhere[0].x));
 }
 

@@ -68,8 +68,8 @@ TEST(DeformedVolume, IsTheSourceThroughTheMap) {
 }
 
 TEST(DeformedVolume, SpacingAndRangesFollowTheStretch) {
-  const AffineMap half({Vec3{0.5, 0, 0}, Vec3{0, 0.5, 0}, Vec3{0, 0, 0.25}}, {});
-  const DeformedVolume field(source(), std::make_shared<const AffineMap>(half));
+  const AffineSpaceMap half({Vec3{0.5, 0, 0}, Vec3{0, 0.5, 0}, Vec3{0, 0, 0.25}}, {});
+  const DeformedVolume field(source(), std::make_shared<const AffineSpaceMap>(half));
   const std::vector<Vec3> x{{1, 1, 1}};
   std::vector<double> spacing(1);
   field.spacing(x, spacing);

@@ -15,7 +15,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/flow/analytic_flows.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 

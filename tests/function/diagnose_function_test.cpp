@@ -6,22 +6,22 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/function/diagnose_function.h"
-#include "sansmesh/function/edit_script.h"
 #include "sansmesh/function/mesh_function.h"
+#include "sansmesh/function_edits.h"
 #include "sansmesh/mesh/components.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
 
 namespace sansmesh::test {
 namespace {
 
-SurfaceFunction fit_cloud(const PointSet& cloud, const FitOptions& options = {}) {
+FittedFunction fit_cloud(const PointSet& cloud, const FitOptions& options = {}) {
   Progress progress;
   return fit_surface_function(cloud, options, progress);
 }
 
-Diagnosis diagnose(const SurfaceFunction& function, const DiagnoseOptions& options = {}) {
+Diagnosis diagnose(const FittedFunction& function, const DiagnoseOptions& options = {}) {
   Progress progress;
   return diagnose_function(function, options, progress);
 }
@@ -45,7 +45,7 @@ TEST(Diagnose, NothingIsWrongWithASphere) {
 }
 
 TEST(Diagnose, AClusterOfStraysIsAnExtraSheetAndItsEditTakesItAway) {
-  const SurfaceFunction function = fit_cloud(joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0}));
+  const FittedFunction function = fit_cloud(joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0}));
   const Diagnosis d = diagnose(function);
   const auto extra = of_kind(d, Suspicion::extra_sheet);
   ASSERT_EQ(extra.size(), 1u);
@@ -111,7 +111,7 @@ TEST(Diagnose, AHoleHasLowCoverageAroundIt) {
 }
 
 TEST(Diagnose, ThresholdsAndNumbersOfPlaces) {
-  const SurfaceFunction function = fit_cloud(torus(6000));
+  const FittedFunction function = fit_cloud(torus(6000));
   DiagnoseOptions options;
   options.gradient_above = 1.001;
   options.places = 3;
@@ -149,7 +149,7 @@ PointSet terrain(int n, float edge, const Vec3f& corner) {
 }
 
 /// Share of the samples without a surface in the default mesh.
-double lost(const SurfaceFunction& function) {
+double lost(const FittedFunction& function) {
   Progress progress;
   MeshReport report;
   mesh_function(function, {}, progress, &report);
@@ -157,7 +157,7 @@ double lost(const SurfaceFunction& function) {
 }
 
 /// Share that is lost after all edits that are proposed.
-double lost_after(const SurfaceFunction& function, const Diagnosis& d) {
+double lost_after(const FittedFunction& function, const Diagnosis& d) {
   FunctionEditor editor(function);
   Progress progress;
   for (const Edit& edit : d.edits()) editor.apply(edit, progress);
@@ -169,7 +169,7 @@ TEST(Diagnose, WhatSamplesStandForIsNoStrayInAScene) {
   PointSet scene = joined(terrain(200, 1, {}), terrain(16, 0.08f, {1.2f, 0, 0.1f}));
   scene = joined(scene, sphere(250), 0.02f, {0.5f, 0.5f, 0.2f});
   scene = joined(scene, terrain(12, 0.06f, {0.2f, 0.2f, 0.3f}));
-  const SurfaceFunction function = fit_cloud(scene);
+  const FittedFunction function = fit_cloud(scene);
   ASSERT_GT(function.field.report().open_area, 0.9 * function.field.report().area);
   const Diagnosis d = diagnose(function);
   EXPECT_TRUE(of_kind(d, Suspicion::extra_sheet).empty());
@@ -187,7 +187,7 @@ TEST(Diagnose, WhatSamplesStandForIsNoStrayInAScene) {
 }
 
 TEST(Diagnose, TwoTerrainsAreTwo) {
-  const SurfaceFunction function = fit_cloud(joined(terrain(150, 1, {}), terrain(40, 0.27f, {0.3f, 0.3f, 0.5f})));
+  const FittedFunction function = fit_cloud(joined(terrain(150, 1, {}), terrain(40, 0.27f, {0.3f, 0.3f, 0.5f})));
   const Diagnosis d = diagnose(function);
   EXPECT_TRUE(of_kind(d, Suspicion::extra_sheet).empty());
   EXPECT_LE(lost_after(function, d), lost(function));
@@ -199,7 +199,7 @@ TEST(Diagnose, NoScriptTakesSurfaceAwayFromSamples) {
   PointSet close = joined(terrain(100, 1, {}), terrain(100, 1, {0, 0, 0.025f}));
   PointSet strays = joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0});
   for (const PointSet& cloud : {close, strays, joined(terrain(100, 1, {}), sphere(30), 0.02f, {0.5f, 0.5f, 0.3f})}) {
-    const SurfaceFunction function = fit_cloud(cloud);
+    const FittedFunction function = fit_cloud(cloud);
     DiagnoseOptions options;
     options.gradient_above = 1.1;
     options.coverage_below = 0.8;
@@ -210,7 +210,7 @@ TEST(Diagnose, NoScriptTakesSurfaceAwayFromSamples) {
 }
 
 TEST(Diagnose, FunctionsWithoutSamples) {
-  SurfaceFunction function = fit_cloud(sphere(2000));
+  FittedFunction function = fit_cloud(sphere(2000));
   function.samples = std::make_shared<const PointSet>();
   EXPECT_TRUE(diagnose(function).places.empty());
 }

@@ -26,7 +26,7 @@ PointSet surveyed(PointSet cloud) {
   return cloud;
 }
 
-bool same_function(const SurfaceFunction& a, const SurfaceFunction& b) {
+bool same_function(const FittedFunction& a, const FittedFunction& b) {
   const PartitionData &p = a.field.data(), &q = b.field.data();
   bool same = same_bytes(p.functions, q.functions) && same_bytes(p.supports, q.supports) && a.history == b.history &&
               p.flatness.size() == q.flatness.size() && p.report.area == q.report.area &&
@@ -34,11 +34,11 @@ bool same_function(const SurfaceFunction& a, const SurfaceFunction& b) {
   for (std::size_t l = 0; same && l < p.flatness.size(); ++l) same = same_bytes(p.flatness[l].gap, q.flatness[l].gap);
   return same;
 }
-SurfaceFunction copy_of(const SurfaceFunction& f) {
+FittedFunction copy_of(const FittedFunction& f) {
   return {PartitionOfUnity(f.field.data()), f.place, f.samples, f.history, f.warnings};
 }
 
-double value_at(const SurfaceFunction& f, const Vec3& x) {
+double value_at(const FittedFunction& f, const Vec3& x) {
   const Vec3 p = f.place.from_input(x);
   double v = 0;
   f.field.evaluate(std::span<const Vec3>(&p, 1), std::span<double>(&v, 1));
@@ -47,7 +47,7 @@ double value_at(const SurfaceFunction& f, const Vec3& x) {
 
 /// Places within a spacing or so of the samples, all around them (input coordinates), in blocks that have a support:
 /// there no far field takes part.
-std::vector<Vec3> near_surface(const SurfaceFunction& f, std::size_t n) {
+std::vector<Vec3> near_surface(const FittedFunction& f, std::size_t n) {
   std::mt19937 random(11);
   std::normal_distribution<double> gauss;
   std::vector<Vec3> places;
@@ -97,7 +97,7 @@ TEST(FunctionEditor, TakesCoordinatesOfTheInput) {
 
 TEST(FunctionEditor, SelectionsInTheUnitOfTheInput) {
   // The same selections of the same shape, here and there: as many supports.
-  const SurfaceFunction here = fitted(bumpy(6000)), there = fitted(surveyed(bumpy(6000)));
+  const FittedFunction here = fitted(bumpy(6000)), there = fitted(surveyed(bumpy(6000)));
   ASSERT_EQ(here.field.report().functions, there.field.report().functions);
   Progress progress;
   const auto at = [](const Vec3& x) { return kFar + x * kScale; };
@@ -130,7 +130,7 @@ TEST(FunctionEditor, Sheets) {
     cloud.normals.push_back(normalized(Vec3f{gauss(random), gauss(random), gauss(random)}));
   }
   Progress progress;
-  const SurfaceFunction function =
+  const FittedFunction function =
       fit_surface_function(prepare_cloud(cloud, {.normals = NormalUse::as_given}, progress), {}, progress);
   const auto left = [&](const EditSelection& select) {
     FunctionEditor editor(copy_of(function));
@@ -171,7 +171,7 @@ TEST(FunctionEditor, Sheets) {
 
 TEST(FunctionEditor, NothingChangesOutsideOfWhatItSays) {
   for (const PointSet& cloud : {surveyed(bumpy(5000)), cube(6000)}) {
-    const SurfaceFunction before = fitted(cloud);
+    const FittedFunction before = fitted(cloud);
     const double size = before.field.bounds().diagonal();
     const std::vector<Vec3> places = near_surface(before, 6000);
     std::vector<Vec3> inner;
@@ -205,10 +205,10 @@ TEST(FunctionEditor, NothingChangesOutsideOfWhatItSays) {
 }
 
 TEST(FunctionEditor, UndoBringsBackEveryBit) {
-  const SurfaceFunction function = fitted(cube(6000));
+  const FittedFunction function = fitted(cube(6000));
   FunctionEditor editor(copy_of(function));
   Progress progress;
-  std::vector<SurfaceFunction> stages;
+  std::vector<FittedFunction> stages;
   std::vector<std::vector<Box3>> changed;
   stages.push_back(copy_of(function)), changed.push_back({});
   for (std::size_t i = 0; i < actions().size(); ++i) {
@@ -244,7 +244,7 @@ TEST(FunctionEditor, UndoBringsBackEveryBit) {
 }
 
 TEST(FunctionEditor, NothingSelectedIsAnEditThatDoesNothing) {
-  const SurfaceFunction function = fitted(sphere(2000));
+  const FittedFunction function = fitted(sphere(2000));
   FunctionEditor editor(copy_of(function));
   Progress progress;
   for (const auto& action : actions()) {
@@ -260,12 +260,12 @@ TEST(FunctionEditor, NothingSelectedIsAnEditThatDoesNothing) {
 }
 
 TEST(FunctionEditor, FailuresLeaveTheFunctionAsItWas) {
-  SurfaceFunction bare = fitted(sphere(2000));
+  FittedFunction bare = fitted(sphere(2000));
   FunctionEditor editor(copy_of(bare));
   bare.samples = std::make_shared<PointSet>();
   FunctionEditor without(copy_of(bare));
   Progress progress;
-  const SurfaceFunction first = copy_of(editor.function());
+  const FittedFunction first = copy_of(editor.function());
   EditSelection some;
   some.ball = {{0, 0, 1}, 0.3};
   EXPECT_THROW(editor.apply({some, SetDegree{7}}, progress), ArgumentError);

@@ -7,7 +7,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/function/edit_function.h"
-#include "sansmesh/function/edit_script.h"
+#include "sansmesh/function_edits.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -5,19 +5,19 @@
 #include <variant>
 
 #include "sansmesh/function/edit_function.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/function/surface_function.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "support/clouds.h"
 
 namespace sansmesh::test {
 
-inline SurfaceFunction fitted(const PointSet& cloud, const FitOptions& options = {}) {
+inline FittedFunction fitted(const PointSet& cloud, const FitOptions& options = {}) {
   Progress progress;
   return fit_surface_function(cloud, options, progress);
 }
 
-inline TriangleMesh meshed(const SurfaceFunction& function, const MeshOptions& options = {}) {
+inline TriangleMesh meshed(const FittedFunction& function, const MeshOptions& options = {}) {
   Progress progress;
   return mesh_function(function, options, progress);
 }

@@ -13,7 +13,7 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/io.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "support/clouds.h"
 #include "support/mesh_checks.h"
@@ -24,12 +24,12 @@ namespace sansmesh::inline v1 {
 namespace {
 
 struct Fitted {
-  std::shared_ptr<const SurfaceFunction> function;
+  std::shared_ptr<const FittedFunction> function;
   std::shared_ptr<const FunctionDistance> distance;
 
   explicit Fitted(const PointSet& cloud) {
     Progress progress;
-    function = std::make_shared<const SurfaceFunction>(fit_surface_function(cloud, {}, progress));
+    function = std::make_shared<const FittedFunction>(fit_surface_function(cloud, {}, progress));
     distance = std::make_shared<const FunctionDistance>(function, progress);
   }
 };

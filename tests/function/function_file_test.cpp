@@ -4,12 +4,13 @@
 
 #include "function/edit_shapes.h"
 #include "io/io_test_tools.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/function/surface_function.h"
-#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/components.h"
-#include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_measures.h"
+#include "sansmesh/mesh_options.h"
+#include "sansmesh/reconstruct.h"
+#include "sansmesh/surface_function.h"
 #include "support/any_threads.h"
 #include "support/same_bytes.h"
 #include "support/section_bytes.h"
@@ -26,7 +27,7 @@ PointSet moved_far(PointSet cloud) {
   return cloud;
 }
 
-std::vector<Vec3> places(const SurfaceFunction& function, std::size_t n = 4000) {
+std::vector<Vec3> places(const FittedFunction& function, std::size_t n = 4000) {
   const Box3 box = function.field.bounds();
   std::mt19937 random(7);
   std::uniform_real_distribution<double> uniform(-0.5, 1.5);
@@ -38,7 +39,7 @@ std::vector<Vec3> places(const SurfaceFunction& function, std::size_t n = 4000) 
   return result;
 }
 
-void expect_same_function(const SurfaceFunction& a, const SurfaceFunction& b) {
+void expect_same_function(const FittedFunction& a, const FittedFunction& b) {
   EXPECT_EQ(a.place, b.place);
   EXPECT_EQ(a.field.bounds().lower, b.field.bounds().lower);
   EXPECT_EQ(a.field.bounds().upper, b.field.bounds().upper);
@@ -68,10 +69,10 @@ TEST(FunctionFile, ReadIsWhatWasWritten) {
                                                    {moved_far(colored(torus(2000))), {}},
                                                    {sphere(2000, 0.01), smooth}};
   for (const auto& [cloud, options] : cases) {
-    const SurfaceFunction before = fitted(cloud, options);
+    const FittedFunction before = fitted(cloud, options);
     for (const char* name : {"f.smf", "f.smf.gz"}) {
-      write_function(folder / name, before);
-      const SurfaceFunction after = read_function(folder / name);
+      write_fitted_function(folder / name, before);
+      const FittedFunction after = read_fitted_function(folder / name);
       expect_same_function(before, after);
       const PointSet &a = *before.samples, &b = *after.samples;
       EXPECT_EQ(a.origin, b.origin);
@@ -98,10 +99,10 @@ TEST(FunctionFile, ReadIsWhatWasWritten) {
       EXPECT_EQ(before.field.data().basis.variance, after.field.data().basis.variance);
       EXPECT_EQ(before.field.data().basis.finest, after.field.data().basis.finest);
       // Written again it is the same file.
-      write_function(folder / (std::string("again") + name), after);
+      write_fitted_function(folder / (std::string("again") + name), after);
       EXPECT_EQ(slurp(folder / name), slurp(folder / (std::string("again") + name)));
     }
-    expect_same_mesh(meshed(before), meshed(read_function(folder / "f.smf")));
+    expect_same_mesh(meshed(before), meshed(read_fitted_function(folder / "f.smf")));
   }
 }
 
@@ -113,10 +114,10 @@ TEST(FunctionFile, KeepsFitsOfThePaper) {
   options.fit = FitMethod::paper;
   options.threshold = 5e-4;
   options.coverage = kPaperCoverage;
-  const SurfaceFunction function = fit_surface_function(moved_far(torus(4000)), options, progress);
+  const FittedFunction function = fit_surface_function(moved_far(torus(4000)), options, progress);
   const Folder folder;
-  write_function(folder / "paper.smf", function);
-  const SurfaceFunction read = read_function(folder / "paper.smf");
+  write_fitted_function(folder / "paper.smf", function);
+  const FittedFunction read = read_fitted_function(folder / "paper.smf");
   expect_same_function(function, read);
   ASSERT_TRUE(read.field.data().paper);
   EXPECT_EQ(read.field.data().paper->threshold, 5e-4);
@@ -141,9 +142,9 @@ TEST(FunctionFile, RemembersThatItsSamplesAreOfFaces) {
   PointSet cloud = mesh;
   cloud.triangles.clear();
   for (const PointSet& points : {mesh, cloud}) {
-    const SurfaceFunction before = fitted(points);
-    write_function(folder / "f.smf", before);
-    const SurfaceFunction after = read_function(folder / "f.smf");
+    const FittedFunction before = fitted(points);
+    write_fitted_function(folder / "f.smf", before);
+    const FittedFunction after = read_fitted_function(folder / "f.smf");
     EXPECT_EQ(before.samples->of_faces, !points.triangles.empty());
     EXPECT_EQ(after.samples->of_faces, before.samples->of_faces);
     EXPECT_EQ(find_components(meshed(after)).size(), points.triangles.empty() ? 1u : 2u);
@@ -154,17 +155,17 @@ TEST(FunctionFile, RemembersThatItsSamplesAreOfFaces) {
 /// Files of version 1.0 had no slopes: they are found from the functions, and are the same.
 TEST(FunctionFile, OldFilesGetTheirSlopes) {
   const Folder folder;
-  SurfaceFunction before = fitted(colored(cube(4000)));
+  FittedFunction before = fitted(colored(cube(4000)));
   const std::span<const float> slopes = before.field.data().slopes.view();
   EXPECT_EQ(slopes.size(), before.field.functions().size());
-  write_function(folder / "new.smf", before);
+  write_fitted_function(folder / "new.smf", before);
   std::vector<RawSection> sections = unpacked(slurp(folder / "new.smf"));
   ASSERT_EQ(std::erase_if(sections, [](const RawSection& s) { return s.name == "SLOPE"; }), 1u);
-  const SurfaceFunction old = read_function(folder.put("old.smf", packed(sections)));
+  const FittedFunction old = read_fitted_function(folder.put("old.smf", packed(sections)));
   EXPECT_TRUE(same_bytes(old.field.data().slopes.view(), slopes));
-  EXPECT_TRUE(same_bytes(read_function(folder / "new.smf").field.data().slopes.view(), slopes));
+  EXPECT_TRUE(same_bytes(read_fitted_function(folder / "new.smf").field.data().slopes.view(), slopes));
   expect_same_function(before, old);
-  write_function(folder / "again.smf", old);
+  write_fitted_function(folder / "again.smf", old);
   EXPECT_EQ(slurp(folder / "again.smf"), slurp(folder / "new.smf"));
 }
 
@@ -173,17 +174,17 @@ TEST(FunctionFile, ReconstructIsFitAndMesh) {
   const PointSet cloud = moved_far(colored(torus(2500)));
   Progress progress;
   const TriangleMesh whole = reconstruct(cloud, {}, progress).mesh;
-  write_function(folder / "f.smf", fitted(cloud));
-  expect_same_mesh(whole, meshed(read_function(folder / "f.smf")));
+  write_fitted_function(folder / "f.smf", fitted(cloud));
+  expect_same_mesh(whole, meshed(read_fitted_function(folder / "f.smf")));
 }
 
 TEST(FunctionFile, WithoutSamples) {
   const Folder folder;
-  const SurfaceFunction before = fitted(colored(sphere(1500)));
-  write_function(folder / "all.smf", before);
-  write_function(folder / "f.smf", before, false);
+  const FittedFunction before = fitted(colored(sphere(1500)));
+  write_fitted_function(folder / "all.smf", before);
+  write_fitted_function(folder / "f.smf", before, false);
   EXPECT_LT(std::filesystem::file_size(folder / "f.smf") + 1500 * 27, std::filesystem::file_size(folder / "all.smf"));
-  const SurfaceFunction after = read_function(folder / "f.smf");
+  const FittedFunction after = read_fitted_function(folder / "f.smf");
   ASSERT_NE(after.samples, nullptr);
   EXPECT_EQ(after.samples->size(), 0u);
   expect_same_function(before, after);
@@ -197,10 +198,10 @@ TEST(FunctionFile, WithoutSamples) {
 
 TEST(FunctionFile, HistoryIsKeptLineByLine) {
   const Folder folder;
-  SurfaceFunction function = fitted(sphere(500));
+  FittedFunction function = fitted(sphere(500));
   function.history = {"fit of 'scan \"2\".ply'", "Größe: 3 µm", "not UTF-8: \xff", "two\nlines\x1b[31m"};
-  write_function(folder / "f.smf", function);
-  const std::vector<std::string> history = read_function(folder / "f.smf").history;
+  write_fitted_function(folder / "f.smf", function);
+  const std::vector<std::string> history = read_fitted_function(folder / "f.smf").history;
   ASSERT_EQ(history.size(), 4u);
   EXPECT_EQ(history[0], function.history[0]);
   EXPECT_EQ(history[1], function.history[1]);
@@ -212,15 +213,15 @@ TEST(FunctionFile, SameBytesWhateverTheThreads) {
   const Folder folder;
   const PointSet cloud = colored(torus(3000));
   expect_equal_for_any_threads([&] {
-    write_function(folder / "f.smf", fitted(cloud));
+    write_fitted_function(folder / "f.smf", fitted(cloud));
     return slurp(folder / "f.smf");
   });
 }
 
 TEST(FunctionFile, EveryValueIsFinite) {
   const Folder folder;
-  write_function(folder / "f.smf", fitted(cube(3000)));
-  const SurfaceFunction function = read_function(folder / "f.smf");
+  write_fitted_function(folder / "f.smf", fitted(cube(3000)));
+  const FittedFunction function = read_fitted_function(folder / "f.smf");
   std::vector<Vec3> x = places(function);
   for (const double far : {1e3, 1e6, 1e12, 1e20, 1e30, 1e100})
     for (const Vec3& d : {Vec3{1, 0, 0}, Vec3{-1, 0.1, 3}, Vec3{0, 0, -1}}) x.push_back(d * far);
@@ -245,14 +246,15 @@ TEST(FunctionFile, NamesOfFunctionFiles) {
 
 TEST(FunctionFile, WritesNothingThatCannotBeRead) {
   const Folder folder;
-  const SurfaceFunction good = fitted(sphere(500));
+  const FittedFunction good = fitted(sphere(500));
   PartitionData data = good.field.data();
   std::vector<LocalFunction> functions = data.functions.copy();
   functions[3].coefficient[0] = std::nanf("");
   data.functions = std::move(functions);
-  const SurfaceFunction bad{PartitionOfUnity(std::move(data)), good.place, good.samples, {}, {}};
-  expect_file_error(folder / "f.smf", "a support makes no sense", [&] { write_function(folder / "f.smf", bad); });
-  expect_file_error(folder / "absent/f.smf", "", [&] { write_function(folder / "absent/f.smf", good); });
+  const FittedFunction bad{PartitionOfUnity(std::move(data)), good.place, good.samples, {}, {}};
+  expect_file_error(folder / "f.smf", "a support makes no sense",
+                    [&] { write_fitted_function(folder / "f.smf", bad); });
+  expect_file_error(folder / "absent/f.smf", "", [&] { write_fitted_function(folder / "absent/f.smf", good); });
   EXPECT_EQ(folder.entries(), 0u);
 }
 

@@ -11,7 +11,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/clip_mesh.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_options.h"
 #include "support/mesh_shapes.h"
 
 namespace sansmesh::inline v1 {
@@ -131,7 +131,7 @@ TEST(ClipMesh, AttributesAreInterpolated) {
 
 TEST(MeshFunction, InABoxIsAPartOfTheWhole) {
   for (const PointSet& cloud : {bumpy(8000), cube(8000)}) {
-    const SurfaceFunction function = fitted(cloud);
+    const FittedFunction function = fitted(cloud);
     MeshOptions options;
     options.enhance = function.field.report().creased == 0;  // no large triangles on the faces of the cube
     const TriangleMesh whole = meshed(function, options);
@@ -162,7 +162,7 @@ TEST(MeshFunction, InABoxIsAPartOfTheWhole) {
 }
 
 TEST(MeshFunction, BoxesOfAnySizeAndPlace) {
-  const SurfaceFunction function = fitted(sphere(3000));
+  const FittedFunction function = fitted(sphere(3000));
   std::mt19937 random(6);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int round = 0; round < 40; ++round) {
@@ -191,7 +191,7 @@ TEST(MeshFunction, BoxesOfAnySizeAndPlace) {
 
 TEST(MeshFunction, DepthMakesItCoarser) {
   for (const PointSet& cloud : {bumpy(12000), cube(12000)}) {
-    const SurfaceFunction function = fitted(cloud);
+    const FittedFunction function = fitted(cloud);
     const auto size = static_cast<double>(meshed(function).triangles.size());
     double last = 1e30;
     for (const int depth : {12, 6, 5, 4, 3, 2}) {

@@ -8,7 +8,7 @@
 #include <set>
 
 #include "sansmesh/core/boxes.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::test {

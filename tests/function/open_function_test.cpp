@@ -11,7 +11,7 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
@@ -39,7 +39,7 @@ PointSet noisy_square(std::size_t n, float noise, float hole = 0) {
   return cloud;
 }
 
-TriangleMesh open_mesh(const SurfaceFunction& function, const MeshOptions& options = {}, MeshReport* report = nullptr) {
+TriangleMesh open_mesh(const FittedFunction& function, const MeshOptions& options = {}, MeshReport* report = nullptr) {
   Progress progress;
   return mesh_function(function, options, progress, report);
 }
@@ -73,7 +73,7 @@ TEST(OpenFunction, ASheetIsASheet) {
 }
 
 TEST(OpenFunction, WideHolesStayUnlessFillingIsAskedFor) {
-  const SurfaceFunction function = fitted(noisy_square(40000, 0, 0.1f));
+  const FittedFunction function = fitted(noisy_square(40000, 0, 0.1f));
   const TriangleMesh mesh = open_mesh(function);
   EXPECT_EQ(euler_of(mesh), 0);
   EXPECT_NEAR(measure_size(mesh).area, 1 - 0.01 * std::numbers::pi, 0.03);
@@ -109,7 +109,7 @@ TEST(OpenFunction, OfFewSamplesIsNotCappedAtTheCube) {
 }
 
 TEST(OpenFunction, EndsAboutThereAlsoIfTheSamplesAreNotKept) {
-  SurfaceFunction function = fitted(noisy_square(20000, 0));
+  FittedFunction function = fitted(noisy_square(20000, 0));
   function.samples = std::make_shared<PointSet>();
   const TriangleMesh mesh = open_mesh(function);
   EXPECT_NEAR(measure_size(mesh).area, 1.006, 0.1);
@@ -117,16 +117,16 @@ TEST(OpenFunction, EndsAboutThereAlsoIfTheSamplesAreNotKept) {
 
 TEST(OpenFunction, IsKeptInFiles) {
   const Folder folder;
-  const SurfaceFunction before = fitted(noisy_square(5000, 0));
-  write_function(folder / "sheet.smf", before);
-  const SurfaceFunction after = read_function(folder / "sheet.smf");
+  const FittedFunction before = fitted(noisy_square(5000, 0));
+  write_fitted_function(folder / "sheet.smf", before);
+  const FittedFunction after = read_fitted_function(folder / "sheet.smf");
   EXPECT_EQ(after.field.report().open_area, before.field.report().open_area);
   EXPECT_EQ(after.field.report().behind, before.field.report().behind);
   EXPECT_TRUE(same_bytes(open_mesh(before).vertices, open_mesh(after).vertices));
 }
 
 TEST(OpenFunction, DoesNotDependOnTheThreads) {
-  const SurfaceFunction function = fitted(noisy_square(8000, 0.002f, 0.1f));
+  const FittedFunction function = fitted(noisy_square(8000, 0.002f, 0.1f));
   compare_threads([&] { return open_mesh(function); },
                   [](const TriangleMesh& one, const TriangleMesh& many) {
                     EXPECT_TRUE(same_bytes(one.vertices, many.vertices));
@@ -141,7 +141,7 @@ TEST(OpenFunction, TrimmingCutsAClosedSurfaceWhereItsSamplesEnd) {
       cap.positions.erase(cap.positions.begin() + static_cast<std::ptrdiff_t>(i));
       cap.normals.erase(cap.normals.begin() + static_cast<std::ptrdiff_t>(i));
     }
-  const SurfaceFunction function = fitted(cap);
+  const FittedFunction function = fitted(cap);
   EXPECT_EQ(function.field.report().open_area, 0);
   EXPECT_EQ(euler_of(open_mesh(function)), 2);
   MeshOptions options;

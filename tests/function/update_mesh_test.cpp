@@ -10,8 +10,8 @@
 #include "sansmesh/error.h"
 #include "sansmesh/function/update_mesh.h"
 #include "sansmesh/mesh/mesh_distance.h"
-#include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_measures.h"
+#include "sansmesh/mesh_options.h"
 #include "support/mesh_shapes.h"
 #include "support/sanitizers.h"
 
@@ -57,7 +57,7 @@ TEST(UpdateMesh, IsTheMeshOfTheEditedFunction) {
   MeshOptions coarse;
   coarse.mesh_error = 0.004;
   for (const Shape& shape : shapes) {
-    const SurfaceFunction function = fitted(shape.cloud);
+    const FittedFunction function = fitted(shape.cloud);
     for (const MeshOptions& options : {MeshOptions{}, plain, coarse}) {
       const bool smooth = std::string(shape.name).find("cube") == std::string::npos;
       if ((options.mesh_error || !options.enhance) && std::string(shape.name) == "far") continue;
@@ -194,7 +194,7 @@ TEST(UpdateMesh, OfAMeshThatIsOlderThanAnEditIsMendedThere) {
 TEST(UpdateMesh, MeshesAreJudgedByWhereTheyAre) {
   PointSet cloud = bumpy(4000);
   cloud.origin = {3000, -200, 5};
-  const SurfaceFunction function = fitted(cloud);
+  const FittedFunction function = fitted(cloud);
   TriangleMesh mesh = meshed(function);
   EXPECT_TRUE(match_mesh(function, mesh).belongs());
   MeshOptions coarse;
@@ -212,7 +212,7 @@ TEST(UpdateMesh, MeshesAreJudgedByWhereTheyAre) {
 }
 
 TEST(UpdateMesh, OfNothingIsTheMesh) {
-  const SurfaceFunction function = fitted(sphere(2000));
+  const FittedFunction function = fitted(sphere(2000));
   const TriangleMesh before = meshed(function);
   Progress progress;
   MeshUpdate update;
@@ -225,7 +225,7 @@ TEST(UpdateMesh, OfNothingIsTheMesh) {
 TEST(UpdateMesh, ManyEditsOneMesh) {
   SANSMESH_NOT_SANITIZED("compares results; others edit meshes, too");
   // Whatever is done, the mesh stays closed and manifold, made from that of the last step or anew.
-  const SurfaceFunction function = fitted(bumpy(8000));
+  const FittedFunction function = fitted(bumpy(8000));
   FunctionEditor editor({PartitionOfUnity(function.field.data()), function.place, function.samples, {}, {}});
   TriangleMesh mesh = meshed(function);
   std::mt19937 random(4);
@@ -288,7 +288,7 @@ TEST(UpdateMesh, FarAwayMeshesAreNotTakenForTheFunctions) {
 TEST(UpdateMesh, MeshesFromFiles) {
   PointSet cloud = bumpy(8000);
   cloud.origin = {3000, -200, 5};
-  const SurfaceFunction function = fitted(cloud);
+  const FittedFunction function = fitted(cloud);
   const TriangleMesh mesh = meshed(function);
   Folder folder;
   for (const char* name : {"mesh.ply", "mesh.stl", "mesh.obj", "mesh.off"}) {
@@ -310,7 +310,7 @@ TEST(UpdateMesh, MeshesFromFiles) {
 }
 
 TEST(UpdateMesh, WholeComponentsComeAndGo) {
-  const SurfaceFunction function = fitted(two_spheres());
+  const FittedFunction function = fitted(two_spheres());
   const TriangleMesh both = meshed(function);
   ASSERT_EQ(measure_topology(both).components, 2u);
   for (const bool large : {false, true}) {

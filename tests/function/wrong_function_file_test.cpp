@@ -6,8 +6,8 @@
 
 #include "function/edit_shapes.h"
 #include "io/io_test_tools.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/function/surface_function.h"
 #include "support/section_bytes.h"
 
 namespace sansmesh::inline v1 {
@@ -20,14 +20,14 @@ class WrongContents : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     const Folder folder;
-    write_function(folder / "f.smf", fitted(colored(cube(4000))));
+    write_fitted_function(folder / "f.smf", fitted(colored(cube(4000))));
     good_ = unpacked(slurp(folder / "f.smf"));
   }
 
   void expect_bad(const std::vector<RawSection>& sections, const std::string& part, const std::string& what) {
     const std::string file = folder_.put("bad.smf", packed(sections));
     SCOPED_TRACE(what);
-    expect_file_error(file, part, [&] { read_function(file); });
+    expect_file_error(file, part, [&] { read_fitted_function(file); });
   }
   static RawSection& section(std::vector<RawSection>& sections, const std::string& name) {
     for (RawSection& s : sections)
@@ -60,7 +60,7 @@ class WrongContents : public ::testing::Test {
 std::vector<RawSection> WrongContents::good_;
 
 TEST_F(WrongContents, GoodIsRead) {
-  const SurfaceFunction function = read_function(folder_.put("good.smf", packed(good_)));
+  const FittedFunction function = read_fitted_function(folder_.put("good.smf", packed(good_)));
   EXPECT_GT(function.field.report().creased, 10u);
   EXPECT_GT(function.field.functions().size(), function.field.data().supports.size());
 }
@@ -205,7 +205,7 @@ TEST_F(WrongContents, SectionsThatDoNotFit) {
     if (must) {
       expect_bad(sections, name == "NORMAL" ? "no normals" : "has no section " + name, name + " missing");
     } else {
-      EXPECT_NO_THROW(read_function(folder_.put("fine.smf", packed(sections)))) << name;
+      EXPECT_NO_THROW(read_fitted_function(folder_.put("fine.smf", packed(sections)))) << name;
     }
   }
 }
@@ -226,7 +226,7 @@ TEST_F(WrongContents, Description) {
       const std::string file = folder_.put("bad.smf", packed(sections));
       // Some are right by chance: there nothing but a function may come out.
       try {
-        const SurfaceFunction function = read_function(file);
+        const FittedFunction function = read_fitted_function(file);
         std::vector<double> values(1);
         std::vector<Vec3> gradients(1);
         function.field.evaluate(std::vector<Vec3>{function.field.bounds().center()}, values, gradients);
@@ -284,7 +284,7 @@ TEST_F(WrongContents, TextThatIsNoDescription) {
   for (int i = 0; i < 200000; ++i) many.append("\"").append(std::to_string(i)).append("\":0,");
   std::vector<RawSection> sections = good_;
   section(sections, "META").bytes = many + good.substr(1);
-  EXPECT_NO_THROW(read_function(folder_.put("many.smf", packed(sections))));
+  EXPECT_NO_THROW(read_fitted_function(folder_.put("many.smf", packed(sections))));
   section(sections, "META").bytes = R"({"kind":"radial\nbasis"})";
   expect_bad(sections, "another kind of function", "kind");
 }

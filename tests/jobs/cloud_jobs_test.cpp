@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/curvature.h"
-#include "sansmesh/jobs/info.h"
-#include "sansmesh/jobs/normals.h"
-#include "sansmesh/jobs/project.h"
+#include "sansmesh/points.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/surface/curvature_colors.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"
@@ -140,7 +139,7 @@ TEST(ProjectJob, RefusesWhatMeansNothing) {
   refuses({.method = "lop", .cloud = {.remove_outliers = true}});
   refuses({.method = "lop"}, sphere(100));
   ProjectOptions sharp{.method = "lop"};
-  sharp.surface.sharp = SurfaceOptions::SharpFormula::bilateral;
+  sharp.surface.sharp = SharpFormula::bilateral;
   refuses(sharp);
 }
 

@@ -1,10 +1,9 @@
 // Conversion as a job: its steps, what they report and refuse, and parts.
-#include "sansmesh/jobs/convert.h"
+#include "sansmesh/convert.h"
 
 #include <gtest/gtest.h>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/split.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"

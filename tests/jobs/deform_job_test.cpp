@@ -15,7 +15,8 @@
 #include "sansmesh/jobs/deform.h"
 #include "sansmesh/jobs/read_cut.h"
 #include "sansmesh/jobs/read_deformation.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/jobs/solid_parts.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"
 
@@ -57,7 +58,7 @@ PointSet as_points(const TriangleMesh& mesh) {
   return points;
 }
 
-SolidModel ball(double radius) { return {"ball", csg::sphere({}, radius), {}, {}, {}}; }
+SolidModel ball(double radius) { return SolidModel(SolidParts{"ball", csg::sphere({}, radius)}); }
 
 std::string refused(const std::function<void()>& call) {
   try {
@@ -183,9 +184,9 @@ TEST(DeformJob, MeshesAreRefinedAndOpenedAlongCuts) {
   const UsePose look = [&](int, const DeformedPose& made) {
     loops = measure_topology(std::get<TriangleMesh>(made)).boundary_loops;
   };
-  EXPECT_GT(deform(mesh, "m", cut, DeformAim::shape, {}, look, progress).report.cut.faces, 0u);
+  EXPECT_GT(deform(mesh, "m", cut, DeformAim::shape, {}, look, progress).report.cut->faces, 0u);
   EXPECT_EQ(loops, 0u);
-  EXPECT_EQ(deform(mesh, "m", cut, DeformAim::shape, {.cut_open = true}, look, progress).report.cut.faces, 0u);
+  EXPECT_EQ(deform(mesh, "m", cut, DeformAim::shape, {.cut_open = true}, look, progress).report.cut->faces, 0u);
   EXPECT_EQ(loops, 1u);
 }
 
@@ -278,7 +279,7 @@ TEST(DeformJob, RefusesWhatMeansNothing) {
   EXPECT_NE(of_cloud({}, DeformAim::sections), "");
   EXPECT_NE(refused([&] { deform(ball(1), d, DeformAim::shape, {.refine = 0.1}, kIgnore, progress); }).find("`refine`"),
             std::string::npos);
-  const SolidModel half{"half", csg::half_space({0, 0, 1}, 0), {}, {}, {}};
+  const SolidModel half(SolidParts{"half", csg::half_space({0, 0, 1}, 0)});
   EXPECT_NE(refused([&] { deform(half, d, DeformAim::sections, {}, kIgnore, progress); }).find("`box`"),
             std::string::npos);
 }

@@ -1,5 +1,5 @@
 // Holes of a mesh as a job: what is decided and told beside the mesh. How well holes are filled is told by tests/mesh.
-#include "sansmesh/jobs/fill.h"
+#include "sansmesh/repair.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"
 

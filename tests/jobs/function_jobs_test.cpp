@@ -8,12 +8,11 @@
 #include <numbers>
 
 #include "sansmesh/error.h"
-#include "sansmesh/function/mesh_function.h"
-#include "sansmesh/jobs/csg.h"
+#include "sansmesh/functions.h"
 #include "sansmesh/jobs/diagnose.h"
-#include "sansmesh/jobs/edit.h"
-#include "sansmesh/jobs/info.h"
-#include "sansmesh/jobs/probe_function.h"
+#include "sansmesh/jobs/solid_parts.h"
+#include "sansmesh/points.h"
+#include "sansmesh/solids.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"
@@ -27,7 +26,7 @@ const SurfaceFunction& ball_function() {
     Progress progress;
     PointSet points = sphere(3000);
     for (Vec3f& p : points.positions) p *= 2.0f;
-    return fit_surface_function(std::move(points), {}, progress);
+    return fit_function(std::move(points), {}, progress).function;
   }();
   return function;
 }
@@ -64,7 +63,7 @@ TEST(EvaluateJob, IsInTheUnitOfTheInput) {
 
 TEST(EditJob, BringsAMeshUpToDate) {
   Progress progress;
-  const TriangleMesh before = mesh_function(ball_function(), {}, progress);
+  const TriangleMesh before = mesh_of_function(ball_function(), {}, progress).mesh;
   Edit flat;
   flat.select.ball = EditSelection::Ball{{0, 0, 2}, 0.4};
   flat.action = SetDegree{1};
@@ -95,7 +94,7 @@ TEST(EditJob, NamesTheStepAndWhatIsNotOfTheFunction) {
 TEST(DiagnoseJob, ListsPlacesByKindWithTheirEdits) {
   Progress progress;
   const PointSet scan = joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0});
-  const DiagnoseResult made = diagnose(fit_surface_function(scan, {}, progress), {}, progress);
+  const DiagnoseResult made = diagnose(fit_function(scan, {}, progress).function, {}, progress);
   ASSERT_FALSE(made.places.empty());
   std::size_t steps = 0;
   for (std::size_t i = 0; i < made.places.size(); ++i) {
@@ -129,7 +128,7 @@ TEST(DiagnoseJob, RefusesWhatIsOutOfRange) {
 TEST(InfoJob, TellsOfAFunction) {
   const FunctionInfo made = info(ball_function());
   EXPECT_GT(made.fits, 0u);
-  EXPECT_EQ(made.samples, ball_function().samples->size());
+  EXPECT_EQ(made.samples, ball_function().samples());
   EXPECT_EQ(made.open_share, 0);
   EXPECT_LT(made.cube.lower.x, -2);
   EXPECT_GT(made.cube.upper.z, 2);
@@ -149,8 +148,9 @@ TEST(CsgJob, KeepsAllPartsOfSolidsWithoutFunctions) {
   EXPECT_TRUE(made.report.closed);
   EXPECT_TRUE(made.notes.empty());
   EXPECT_EQ(mesh_of_solid(two, {.resolution = 48, .components = ComponentChoice{}}, progress).report.components, 1u);
-  SolidModel with_function = two;
-  with_function.functions["ball.smf"] = std::make_shared<const SurfaceFunction>(ball_function());
+  SolidParts parts = two.parts();
+  parts.functions.emplace("ball.smf", ball_function());
+  const SolidModel with_function(parts);
   EXPECT_EQ(mesh_of_solid(with_function, {.resolution = 48}, progress).report.components, 1u);
 }
 

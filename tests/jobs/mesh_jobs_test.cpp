@@ -2,8 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/simplify.h"
-#include "sansmesh/jobs/smooth.h"
+#include "sansmesh/repair.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"
 

@@ -28,7 +28,7 @@ PictureObject cloud_object() { return {.name = "cloud.ply", .title = "cloud", .p
 PictureObject function_object() {
   Progress progress;
   PictureObject object{.name = "ball.smf"};
-  object.function = fit_surface_function(sphere(1500), {}, progress);
+  object.function = fit_function(sphere(1500), {}, progress).function;
   return object;
 }
 

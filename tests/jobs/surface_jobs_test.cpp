@@ -6,15 +6,11 @@
 #include <memory>
 
 #include "sansmesh/error.h"
-#include "sansmesh/function/surface_function.h"
-#include "sansmesh/jobs/align.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/inspect.h"
 #include "sansmesh/jobs/align_picture.h"
-#include "sansmesh/jobs/any_surface.h"
-#include "sansmesh/jobs/assess.h"
-#include "sansmesh/jobs/compare.h"
 #include "sansmesh/jobs/compare_picture.h"
-#include "sansmesh/jobs/measure.h"
-#include "sansmesh/jobs/section.h"
+#include "sansmesh/measure/signed_distance.h"
 #include "support/mesh_shapes.h"
 #include "support/notes.h"
 
@@ -42,7 +38,7 @@ AnySurface sphere_function() {
   PointSet points;
   for (const Vec3f& p : ball.vertices) points.positions.push_back(p), points.normals.push_back(p);
   Progress progress;
-  return {std::make_shared<const SurfaceFunction>(fit_surface_function(std::move(points), {}, progress)), "ball.smf"};
+  return {SurfaceFunction(fit_surface_function(std::move(points), {}, progress)), "ball.smf"};
 }
 
 /// Box of sides 2, 3 and 4, none of whose turns is it again but those by 180°.

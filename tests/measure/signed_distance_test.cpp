@@ -7,8 +7,8 @@
 #include "measure/measure_shapes.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/placed_field.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/function/surface_function.h"
 #include "sansmesh/measure/field_signed_distance.h"
 #include "sansmesh/measure/points_signed_distance.h"
 #include "support/clouds.h"
@@ -256,7 +256,7 @@ struct Fitted {
   explicit Fitted(PointSet points, const FitOptions& options = {})
       : function(fit_surface_function(std::move(points), options, progress)), field(function.field, function.place) {}
   Progress progress;
-  SurfaceFunction function;
+  FittedFunction function;
   PlacedField field;
 };
 

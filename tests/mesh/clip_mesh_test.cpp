@@ -7,7 +7,7 @@
 
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -85,7 +85,7 @@ TEST(DeformedMesh, NormalsStayAtRightAngles) {
   }
   // A shear, and a reflection, in which triangles turn their other side outwards: so do the normals.
   for (const double sign : {1.0, -1.0}) {
-    const test::AffineMap map({Vec3{2, 0.3, 0}, Vec3{-0.7, 1, 0.4}, Vec3{0.2, 0, sign * 0.5}}, {3, 2, 1});
+    const test::AffineSpaceMap map({Vec3{2, 0.3, 0}, Vec3{-0.7, 1, 0.4}, Vec3{0.2, 0, sign * 0.5}}, {3, 2, 1});
     MeshDeformReport report;
     const TriangleMesh moved = deform_mesh(soup, map, {}, &report);
     EXPECT_EQ(report.turned, sign > 0 ? 0 : moved.vertices.size());
@@ -100,7 +100,7 @@ TEST(DeformedMesh, FarAwayNothingIsLost) {
   points.positions = {{0, 0, 0}, {0.125f, 0, 0}, {0, 0.25f, 0}};
   points.scanners = {{0, 0, 5}};
   points.colors.resize(3, {1, 2, 3});
-  const test::AffineMap map({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {1e6, 0, 3e6});
+  const test::AffineSpaceMap map({Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {1e6, 0, 3e6});
   const PointSet moved = deform_points(points, map);
   EXPECT_EQ(moved.colors, points.colors);
   EXPECT_TRUE(moved.scanners.empty());

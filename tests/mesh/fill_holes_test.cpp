@@ -7,8 +7,8 @@
 #include <numbers>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/place_edges.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 

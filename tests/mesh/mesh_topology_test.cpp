@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 
 #include <gtest/gtest.h>
 

@@ -10,7 +10,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"
 

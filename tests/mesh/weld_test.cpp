@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
 namespace {

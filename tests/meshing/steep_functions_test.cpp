@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "sansmesh/csg/solid.h"
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/function_solid.h"
-#include "sansmesh/function/surface_function.h"
 #include "sansmesh/polygonize/crease_blocks.h"
 #include "support/sanitizers.h"
 #include "support/thin_shapes.h"
@@ -20,10 +20,9 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-std::shared_ptr<const SurfaceFunction> fitted(const test::ThinShape& shape, double spacing) {
+std::shared_ptr<const FittedFunction> fitted(const test::ThinShape& shape, double spacing) {
   Progress progress;
-  return std::make_shared<const SurfaceFunction>(
-      fit_surface_function(test::even_samples(shape, spacing), {}, progress));
+  return std::make_shared<const FittedFunction>(fit_surface_function(test::even_samples(shape, spacing), {}, progress));
 }
 
 /// Points between which the field changes its sign, as close together as can be: a surface is there.

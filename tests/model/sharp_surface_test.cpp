@@ -10,10 +10,10 @@
 #include <optional>
 
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/mesh/mesh_closest.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/sample_faces.h"
+#include "sansmesh/reconstruct.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/clouds.h"
 #include "support/edged_shapes.h"
@@ -28,7 +28,7 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 TriangleMesh mesh_of(const PointSet& cloud, bool sharp, ReconstructReport* report = nullptr) {
   ReconstructOptions options;
   options.surface = {};
-  if (sharp) options.surface.sharp = SurfaceOptions::SharpFormula::bilateral;
+  if (sharp) options.surface.sharp = SharpFormula::bilateral;
   Progress progress;
   ReconstructResult made = reconstruct(cloud, options, progress);
   if (report) *report = made.report;

@@ -12,10 +12,10 @@
 #include <utility>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/reconstruct.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/model/surface_domain.h"
 #include "sansmesh/model/surface_model.h"
+#include "sansmesh/reconstruct.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"

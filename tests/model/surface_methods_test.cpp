@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/reconstruct.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
+#include "sansmesh/reconstruct.h"
 #include "support/clouds.h"
 #include "support/places.h"
 #include "support/surface_names.h"
@@ -155,9 +155,9 @@ TEST(SurfaceMethods, ModelsHaveTheNormalsThatWereAskedFor) {
   const std::vector<Vec3> plain = normals_of(o);
   o.normal = SurfaceOptions::Normal::iterated;
   const std::vector<Vec3> iterated = normals_of(o);
-  o.sharp = SurfaceOptions::SharpFormula::bilateral;
+  o.sharp = SharpFormula::bilateral;
   const std::vector<Vec3> both = normals_of(o);
-  o.sharp = SurfaceOptions::SharpFormula::laguerre;
+  o.sharp = SharpFormula::laguerre;
   const std::vector<Vec3> laguerre = normals_of(o);
   // Only h/√ε counts, of these weights as of the surface's.
   o.smoothing = 1.5, o.epsilon = 1;

@@ -9,10 +9,10 @@
 #include <numbers>
 
 #include "sansmesh/error.h"
-#include "sansmesh/jobs/reconstruct.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/spacing.h"
+#include "sansmesh/reconstruct.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
@@ -341,7 +341,7 @@ TEST(SurfaceModel, OptionsMeanWhatTheySay) {
   EXPECT_EQ(a.report().order, 2);
   EXPECT_EQ(a.report().iterations, 5);
   SurfaceOptions sharp = named("curvature");
-  sharp.sharp = SurfaceOptions::SharpFormula::bilateral;
+  sharp.sharp = SharpFormula::bilateral;
   const SurfaceModel s = model_of(cloud, sharp);
   EXPECT_NE(s.normals(), nullptr);
   Progress progress;
@@ -352,7 +352,7 @@ TEST(SurfaceModel, IsTheSameForAnyNumberOfThreads) {
   const PointSet cloud = test::torus(1500);
   for (const char* method : {"apss", "curvature"}) {
     SurfaceOptions options = named(method);
-    options.sharp = SurfaceOptions::SharpFormula::bilateral;
+    options.sharp = SharpFormula::bilateral;
     test::compare_threads([&] { return mesh_of(cloud, options); },
                           [&](const TriangleMesh& one, const TriangleMesh& many) {
                             EXPECT_EQ(one.vertices, many.vertices) << method;
@@ -398,7 +398,7 @@ TEST(SurfaceModel, KnownNoiseAndSpacingAreWhatWouldBeEstimated) {
   for (const PointSet& cloud : {given, none, mixed})
     for (const char* method : {"apss", "curvature"}) {
       SurfaceOptions options = named(method);
-      options.sharp = SurfaceOptions::SharpFormula::bilateral;
+      options.sharp = SharpFormula::bilateral;
       Progress progress;
       const PreparedCloud known = prepare_cloud(cloud, {}, progress);
       PreparedCloud unknown = known;
@@ -435,7 +435,7 @@ TEST(SurfaceModel, RefusesOptionsOfOtherMethods) {
   };
   refused([](SurfaceOptions& o) { o.smoothing = 2; }, "partition", "smoothing");
   refused([](SurfaceOptions& o) { o.bandwidth = 2; }, "partition", "`bandwidth` means nothing");
-  refused([](SurfaceOptions& o) { o.sharp = SurfaceOptions::SharpFormula::laguerre; }, "partition",
+  refused([](SurfaceOptions& o) { o.sharp = SharpFormula::laguerre; }, "partition",
           "its supports and its creases follow the data");
   refused([](SurfaceOptions& o) { o.separate_sheets = false; }, "hoppe", "`separate_sheets` belongs to adamson, ");
   refused([](SurfaceOptions& o) { o.order = 2; }, "apss", "`order` belongs to amls, not to the surface apss");

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <random>
 
+#include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/function/surface_function.h"
 #include "sansmesh/io.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "support/places.h"
@@ -22,13 +22,13 @@ namespace {
 
 constexpr std::size_t kPoints = 200000;
 
-SurfaceFunction fit_shape(PointSet cloud) {
+FittedFunction fit_shape(PointSet cloud) {
   Progress progress;
   return fit_surface_function(std::move(cloud), {}, progress);
 }
 
 /// Points in the balls of the supports: the domain of definition.
-std::vector<Vec3> in_domain(const SurfaceFunction& s, std::size_t count) {
+std::vector<Vec3> in_domain(const FittedFunction& s, std::size_t count) {
   const PartitionData& data = s.field.data();
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> unit(0, 1);
@@ -43,7 +43,7 @@ std::vector<Vec3> in_domain(const SurfaceFunction& s, std::size_t count) {
 }
 
 /// Of 1000 gradients, 999 are as short as those of sound functions are.
-void expect_sound(const SurfaceFunction& s) {
+void expect_sound(const FittedFunction& s) {
   const std::vector<Vec3> x = in_domain(s, kPoints);
   std::vector<double> values(x.size());
   std::vector<Vec3> gradients(x.size());
@@ -57,7 +57,7 @@ void expect_sound(const SurfaceFunction& s) {
 }
 
 /// Analytic gradients are those of the values, but for a few next to creases.
-void expect_gradients_of_values(const SurfaceFunction& s) {
+void expect_gradients_of_values(const FittedFunction& s) {
   const std::vector<Vec3> x = in_domain(s, 4000);
   float least = 1e30f;
   for (std::size_t i = 0; i < s.field.data().supports.size(); ++i)
@@ -82,7 +82,7 @@ void expect_gradients_of_values(const SurfaceFunction& s) {
   EXPECT_LT(off, x.size() / 100);
 }
 
-MeshTopology topology(const SurfaceFunction& s) {
+MeshTopology topology(const FittedFunction& s) {
   Progress progress;
   return measure_topology(mesh_function(s, {}, progress));
 }
@@ -101,7 +101,7 @@ class ThinShapes : public testing::TestWithParam<Thin> {};
 /// Gradients, and that the function is the shape that it should be.
 TEST_P(ThinShapes, StayAboutADistance) {
   SANSMESH_NOT_SANITIZED("judges slopes of large functions; others fit and mesh, too");
-  const SurfaceFunction s = fit_shape(test::even_samples(GetParam().shape, GetParam().spacing));
+  const FittedFunction s = fit_shape(test::even_samples(GetParam().shape, GetParam().spacing));
   expect_sound(s);
   expect_gradients_of_values(s);
   const MeshTopology t = topology(s);
@@ -127,7 +127,7 @@ TEST_P(GyroidShells, AreBounded) {
   SANSMESH_NOT_SANITIZED("judges slopes of large functions; others fit and mesh, too");
   const double wall = GetParam();
   const test::ThinShape shape = test::gyroid_shell(wall, 0.8);
-  const SurfaceFunction s = fit_shape(test::even_samples(shape, 0.03));
+  const FittedFunction s = fit_shape(test::even_samples(shape, 0.03));
   expect_sound(s);
   expect_gradients_of_values(s);
   const MeshTopology t = topology(s);
@@ -150,7 +150,7 @@ TEST(ExtraGradientBound, FertilityReduced) {
   SANSMESH_NOT_SANITIZED("judges slopes of large functions; others fit and mesh, too");
   const std::string file = test::shared_points("fertility_4k.off");
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "an extra: there is no " << file;
-  const SurfaceFunction s = fit_shape(sample_faces(read_points(file), 60000));
+  const FittedFunction s = fit_shape(sample_faces(read_points(file), 60000));
   expect_sound(s);
   expect_gradients_of_values(s);
   const MeshTopology t = topology(s);

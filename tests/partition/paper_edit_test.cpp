@@ -5,6 +5,7 @@
 
 #include "sansmesh/core/boxes.h"
 #include "sansmesh/error.h"
+#include "sansmesh/function_edits.h"
 #include "sansmesh/partition/paper_fit.h"
 #include "sansmesh/partition/paper_local.h"
 #include "sansmesh/partition/partition_edit.h"

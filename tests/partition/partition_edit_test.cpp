@@ -8,7 +8,7 @@
 
 #include "partition/edit_checks.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"
 
 namespace sansmesh::inline v1 {

@@ -1,4 +1,5 @@
 #include "sansmesh/polygonize/crease_mesh.h"
+#include "sansmesh/mesh_measures.h"
 
 #include <gtest/gtest.h>
 

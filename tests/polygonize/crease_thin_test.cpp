@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {

@@ -1,4 +1,5 @@
 #include "sansmesh/polygonize/walk_surface.h"
+#include "sansmesh/mesh_measures.h"
 
 #include <gtest/gtest.h>
 

@@ -9,9 +9,9 @@
 #include <random>
 
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/reconstruct.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/sample_faces.h"
+#include "sansmesh/reconstruct.h"
 #include "support/clouds.h"
 #include "support/places.h"
 #include "support/thin_shapes.h"

@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/reconstruct.h"
-#include "sansmesh/mesh/mesh_topology.h"
+#include "sansmesh/mesh_measures.h"
+#include "sansmesh/reconstruct.h"
 #include "support/places.h"
 
 namespace sansmesh::inline v1 {

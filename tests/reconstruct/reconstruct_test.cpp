@@ -1,4 +1,7 @@
-#include "sansmesh/jobs/reconstruct.h"
+#include "sansmesh/reconstruct.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/function/mesh_function.h"
+#include "sansmesh/partition/partition_data.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +11,8 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_distance.h"
-#include "sansmesh/mesh/mesh_topology.h"
-#include "sansmesh/meshing/mesh_options.h"
+#include "sansmesh/mesh_measures.h"
+#include "sansmesh/mesh_options.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/triangulation/block_tree.h"
 #include "support/any_threads.h"
@@ -360,8 +363,8 @@ TEST(MeshFunction, WritesItsReportAnew) {
     cloud.normals.push_back(sparse.normals[i]);
   }
   Progress progress;
-  const SurfaceFunction two = fit_surface_function(cloud, {}, progress),
-                        one = fit_surface_function(test::sphere(3000), {}, progress);
+  const FittedFunction two = fit_surface_function(cloud, {}, progress),
+                       one = fit_surface_function(test::sphere(3000), {}, progress);
   MeshOptions measured;
   measured.measure_quality = true;
   MeshReport used, fresh;

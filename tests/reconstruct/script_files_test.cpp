@@ -14,7 +14,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 /// Of all samples, none left out; what counts as lost goes by the function that was fitted.
-double share_lost(const SurfaceFunction& function, const PartitionReport& fitted) {
+double share_lost(const FittedFunction& function, const PartitionReport& fitted) {
   Progress progress;
   TriangleMesh mesh = mesh_function(function, {}, progress);
   move_from_input(mesh, function.place);
@@ -27,7 +27,7 @@ TEST_P(ExtraScripts, TakeNoSurfaceAwayFromSamples) {
   const std::string file = test::shared_points(GetParam());
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "an extra: there is no " << file;
   Progress progress;
-  const SurfaceFunction function = fit_surface_function(read_points(file), {}, progress);
+  const FittedFunction function = fit_surface_function(read_points(file), {}, progress);
   FunctionEditor editor(function);
   for (const Edit& edit : diagnose_function(function, {}, progress).edits()) editor.apply(edit, progress);
   const PartitionReport& fitted = function.field.report();

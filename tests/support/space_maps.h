@@ -9,9 +9,9 @@
 namespace sansmesh::test {
 
 /// T(x) = by[0] x + by[1] y + by[2] z + to.
-class AffineMap final : public SpaceMap {
+class AffineSpaceMap final : public SpaceMap {
  public:
-  AffineMap(const Jacobian& by, const Vec3& to) : by_(by), to_(to) {}
+  AffineSpaceMap(const Jacobian& by, const Vec3& to) : by_(by), to_(to) {}
   void map(std::span<const Vec3> x, const MapAnswers& wanted) const override {
     for (std::size_t i = 0; i < x.size(); ++i) {
       if (!wanted.positions.empty()) wanted.positions[i] = by_[0] * x[i].x + by_[1] * x[i].y + by_[2] * x[i].z + to_;
@@ -36,7 +36,7 @@ class AffineMap final : public SpaceMap {
   Vec3 to_;
 };
 
-inline AffineMap identity_map() { return {{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {}}; }
+inline AffineSpaceMap identity_map() { return {{Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}}, {}}; }
 
 /// Turned around the z axis by `rate` · z: volumes stay.
 class TwistMap final : public SpaceMap {

@@ -13,7 +13,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "sansmesh/advise/advise.h"
+#include "sansmesh/advice.h"
 #include "sansmesh/approximation/approximate_mls.h"
 #include "sansmesh/approximation/approximate_mls_choice.h"
 #include "sansmesh/approximation/moving_least_squares.h"
@@ -35,21 +35,21 @@
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function/update_mesh.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/reconstruct.h"
 #include "sansmesh/measure/body_measures.h"
 #include "sansmesh/measure/distance_map.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/measure/section.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
-#include "sansmesh/mesh/mesh_topology.h"
 #include "sansmesh/mesh/simplify.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/sample_faces.h"
+#include "sansmesh/reconstruct.h"
 #include "sansmesh/render/mesh_picture.h"
 #include "sansmesh/render/render_options.h"
 #include "sansmesh/render/surface_caster.h"
@@ -105,8 +105,8 @@ PointSet colored_torus(std::size_t n) {
 }
 
 /// Made once; read by all.
-const SurfaceFunction& torus_function() {
-  static const SurfaceFunction function = [] {
+const FittedFunction& torus_function() {
+  static const FittedFunction function = [] {
     Progress progress;
     return fit_surface_function(colored_torus(12000), {}, progress);
   }();
@@ -168,7 +168,7 @@ TEST(EveryRoom, CloudsAreReconstructed) {
 }
 
 TEST(EveryRoom, FunctionsAreEditedAndJudged) {
-  const SurfaceFunction& function = torus_function();
+  const FittedFunction& function = torus_function();
   const TriangleMesh& mesh = torus_mesh();
   test::expect_equal_for_any_threads([&] {
     Progress progress;
@@ -189,10 +189,10 @@ TEST(EveryRoom, FunctionsAreEditedAndJudged) {
 }
 
 TEST(EveryRoom, FieldsAreEvaluated) {
-  const SurfaceFunction& function = torus_function();
+  const FittedFunction& function = torus_function();
   const std::vector<Vec3> x = points_about(20000, 3);
   Progress progress;
-  const FunctionDistance distance(std::make_shared<const SurfaceFunction>(function), progress);
+  const FunctionDistance distance(std::make_shared<const FittedFunction>(function), progress);
   test::expect_equal_for_any_threads([&] {
     Findings found;
     std::vector<double> values(x.size());
@@ -210,7 +210,7 @@ TEST(EveryRoom, FieldsAreEvaluated) {
 }
 
 TEST(EveryRoom, SolidsAreMeshed) {
-  const auto function = std::make_shared<const SurfaceFunction>(torus_function());
+  const auto function = std::make_shared<const FittedFunction>(torus_function());
   test::expect_equal_for_any_threads([&] {
     const Solid ball = csg::sphere({1, 0, 0}, 0.5), bar = csg::cylinder({0, 0, 0}, {1, 0, 0}, 0.2, 3);
     Progress progress;
@@ -252,7 +252,7 @@ TEST_P(EverySurface, IsShownAndSampled) {
   const PointSet cloud = colored_torus(3000);
   SurfaceOptions options;
   options.method = GetParam();
-  if (options.method == "apss" || options.method == "levin") options.sharp = SurfaceOptions::SharpFormula::bilateral;
+  if (options.method == "apss" || options.method == "levin") options.sharp = SharpFormula::bilateral;
   if (options.method == "amls") options.order = 4, options.iterations = 3;
   test::expect_equal_for_any_threads([&] {
     Progress progress;
@@ -278,7 +278,7 @@ TEST(EveryRoom, SurfacesWithoutAMeshAreMeshed) {
     Findings found;
     ReconstructOptions options;
     for (const char* const method : {"apss", "curvature"}) {
-      options.surface = {.method = method, .sharp = SurfaceOptions::SharpFormula::bilateral};
+      options.surface = {.method = method, .sharp = SharpFormula::bilateral};
       found << reconstruct(test::torus(2500), options, progress).mesh;
     }
     return found;
@@ -420,9 +420,9 @@ TEST(EveryRoom, FilesAreWrittenAndRead) {
     }
     for (const char* name : {"b.glb", "b.ply", "b.stl"}) write_mesh(folder / name, torus_mesh());
     found << read_mesh(folder / "b.ply") << read_mesh(folder / "b.stl");
-    write_function(folder / "f.smf", torus_function());
+    write_fitted_function(folder / "f.smf", torus_function());
     std::vector<double> values(2000);
-    read_function(folder / "f.smf").field.evaluate(points_about(2000, 2), values);
+    read_fitted_function(folder / "f.smf").field.evaluate(points_about(2000, 2), values);
     return found << values;
   });
   fs::remove_all(folder);

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "sansmesh/model/surface_method.h"
-#include "sansmesh/model/surface_options.h"
 #include "sansmesh/mpu/mpu_surface.h"
+#include "sansmesh/surface_options.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -4,9 +4,9 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/model/surface_method.h"
-#include "sansmesh/model/surface_options.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "sansmesh/surface/projection_surface.h"
+#include "sansmesh/surface_options.h"
 
 namespace sansmesh::inline v1 {
 namespace {

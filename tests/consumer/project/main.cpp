@@ -4,8 +4,8 @@
 #include <sansmesh/jobs/flow_lines.h>
 #include <sansmesh/jobs/flow_model.h>
 #include <sansmesh/jobs/probe_volume.h>
-#include <sansmesh/jobs/reconstruct.h>
 #include <sansmesh/jobs/volume_model.h>
+#include <sansmesh/reconstruct.h>
 #include <sansmesh/version.h>
 
 #include <cmath>

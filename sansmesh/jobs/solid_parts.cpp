@@ -1,0 +1,151 @@
+#include "sansmesh/solids.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "sansmesh/csg/parse_csg.h"
+#include "sansmesh/error.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/function/function_distance.h"
+#include "sansmesh/function/function_solid.h"
+#include "sansmesh/function/mesh_solid.h"
+#include "sansmesh/io.h"
+#include "sansmesh/jobs/solid_parts.h"
+#include "sansmesh/jobs/volume_model.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+/// Above this share of its area that bounds no solid a function is warned of.
+constexpr double kOpenShare = 0.01;
+
+/// Reads what an expression names, each file once.
+class SolidReader {
+ public:
+  explicit SolidReader(Progress& progress) : progress_(progress) {}
+
+  std::vector<std::string> files;
+  std::map<std::string, SurfaceFunction> functions;
+  std::vector<Note> notes;
+
+  Solid solid(const std::string& name) {
+    if (const auto named = parse_isosurface_name(name)) {
+      files.push_back(name);
+      VolumeModel volume = open_volume({named->file}, {.array = named->array}, progress_);
+      for (Note& note : volume.notes()) notes.push_back(std::move(note));
+      return isosurface_solid(volume.isosurface(named->value, progress_, notes));
+    }
+    return is_function_file(name) ? function_solid(function(name)) : mesh(name, false);
+  }
+
+  /// The exact distance, for offsets and shells.
+  Solid distance(const std::string& name) {
+    if (parse_isosurface_name(name))
+      throw ArgumentError(fmt::format(
+          "'{}': offsets and shells of isosurfaces need a function: mesh the isosurface, and fit one to that", name));
+    return is_function_file(name) ? function_distance_solid(function(name), progress_) : mesh(name, true);
+  }
+
+ private:
+  void add_file(const std::string& name) {
+    if (std::find(files.begin(), files.end(), name) == files.end()) files.push_back(name);
+  }
+
+  std::shared_ptr<const FittedFunction> function(const std::string& name) {
+    auto known = functions.find(name);
+    if (known == functions.end()) known = functions.emplace(name, read_function(name)).first;
+    add_file(name);
+    return known->second.shared();
+  }
+
+  /// The exact distance to its faces; of offsets with their rounded edges.
+  Solid mesh(const std::string& name, bool rounded) {
+    auto known = meshes_.find(name);
+    const bool first = known == meshes_.end();
+    if (first) known = meshes_.emplace(name, load_mesh(name)).first;
+    add_file(name);
+    std::vector<std::string> warnings;
+    try {
+      Solid solid = mesh_solid(known->second, rounded, warnings);
+      if (first) add_notes(notes, "mesh_solid", warnings, name);
+      return solid;
+    } catch (const DataError& e) {
+      throw FileError(name, e.what());
+    }
+  }
+
+  TriangleMesh load_mesh(const std::string& file) {
+    ReadReport report;
+    PointSet points = read_points(file, &report);
+    if (points.triangles.empty())
+      throw FileError(file, "neither a function (.smf) nor a mesh: a function has to be fitted to the points first");
+    add_notes(notes, "read", report.warnings, file);
+    return to_mesh(std::move(points));
+  }
+
+  Progress& progress_;
+  std::map<std::string, TriangleMesh> meshes_;
+};
+
+}  // namespace
+
+SolidModel::SolidModel(SolidParts parts) : parts_(std::make_shared<const SolidParts>(std::move(parts))) {}
+
+const std::string& SolidModel::expression() const { return parts_->expression; }
+
+const std::vector<std::string>& SolidModel::files() const { return parts_->files; }
+
+Box3 SolidModel::bounds() const { return parts_->solid.bounds(); }
+
+const std::vector<Note>& SolidModel::notes() const { return parts_->notes; }
+
+ComponentChoice SolidModel::usual_components() const {
+  return {parts_->functions.empty() ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic, 1};
+}
+
+const SurfaceFunction* SolidParts::whole_function() const {
+  return functions.size() == 1 && functions.begin()->first == expression ? &functions.begin()->second : nullptr;
+}
+
+std::vector<Note> SolidModel::open_notes() const {
+  std::vector<Note> found;
+  for (const auto& [name, function] : parts_->functions)
+    if (is_open(function))
+      found.push_back(
+          {.code = "open",
+           .text = "its surface bounds no solid: taken as all that lies behind it, as far as the box reaches",
+           .remedy = {},
+           .of = name});
+  return found;
+}
+
+bool is_open(const SurfaceFunction& function) {
+  const PartitionReport& fitted = function.fitted().field.report();
+  return fitted.open_area > kOpenShare * fitted.area;
+}
+
+SolidModel read_solid(const std::string& expression, Progress& progress) {
+  progress.begin("read");
+  SolidReader reader(progress);
+  Solid solid = parse_csg(
+      expression, [&](const std::string& name) { return reader.solid(name); },
+      [&](const std::string& name) { return reader.distance(name); });
+  return SolidModel(
+      {expression, std::move(solid), std::move(reader.files), std::move(reader.functions), std::move(reader.notes)});
+}
+
+namespace {
+
+constexpr ReportRow kSolidModelRows[] = {reported<&SolidModel::expression>({.text = "Expression"}),
+                                         reported<&SolidModel::files>({.text = "Files that it names"})};
+
+}  // namespace
+
+const ReportSchema& SolidModel::schema() {
+  static constexpr ReportSchema schema{kSolidModelRows};
+  return schema;
+}
+
+}  // namespace sansmesh::inline v1
