@@ -90,7 +90,11 @@ void push_report(Json& object, std::string_view key, const ReportSchema& schema,
 Json json_of_keys(const std::vector<ToldReport>& told) {
   Json list = Json::array();
   std::set<std::string> known;
-  for (const ToldReport& one : told) push_rows(list, std::string(one.key) + (one.list ? "[]" : ""), *one.schema, known);
+  for (const ToldReport& one : told)
+    if (one.schema)
+      push_rows(list, std::string(one.key) + (one.list ? "[]" : ""), *one.schema, known);
+    else
+      push_rows(list, "", ReportSchema{{&one.value, 1}}, known);
   return list;
 }
 
