@@ -115,13 +115,12 @@ void Console::begin_list(const ToldReport& told) {
 
 void Console::show_json() {
   if (!options_.json) return;
-  Json stages = Json::array();
-  for (const Progress::Timing& t : progress_.timings())
-    stages.push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
   told_["schema"] = kReportVersion;
   told_["warnings"] = warnings_;
   told_["messages"] = messages_;
-  told_["stages"] = stages;
+  if (tells_stages_)
+    for (const Progress::Timing& t : progress_.timings())
+      told_["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
   show(told_.text() + "\n");
 }
 

@@ -50,7 +50,7 @@ class Console {
   /// The same with a title: "area            0.5".
   void say(const std::string& title, const std::string& text, int width = 16);
   /// A result for programs: what a report tells, under a key or beside the others. Printed with --json, once all is
-  /// done, with all that was warned of (`warnings`) and the time of each stage. Throws std::logic_error for reports of
+  /// done, with all that was warned of (`warnings`). Throws std::logic_error for reports of
   /// which the command does not say that it tells them (CommandLine::tells).
   template <HasReport T>
   void tell(const T& report, std::string_view key = {}) {
@@ -58,6 +58,8 @@ class Console {
   }
   /// The same of a value.
   void tell_value(std::string_view key, const Json& value);
+  /// The time of each stage as well (`stages`), of commands whose results are not compared.
+  void tell_stages() { tells_stages_ = true; }
   /// The same of a list of reports.
   template <HasReport T>
   void tell(const std::vector<T>& reports, std::string_view key) {
@@ -96,6 +98,7 @@ class Console {
   Json messages_ = Json::array(), told_;
   std::string said_;  ///< once there are files, of which it is, in their places
   bool keeps_frames_ = false;
+  bool tells_stages_ = false;
   bool finishing_ = false;
   bool terminal_ = false;
   bool drawn_ = false;

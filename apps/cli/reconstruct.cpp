@@ -40,6 +40,7 @@ void run_reconstruct(const ReconstructArguments& a, Console& console) {
   console.tell(a.input.told(read, count), "input");
   console.tell(scale);
   console.tell(made.report);
+  console.tell_stages();
 
   const ReconstructReport& r = made.report;
   console.say(fmt::format("{}: {}, {} ({})", name, counted(count, "point"), size, read.format));

@@ -107,6 +107,7 @@ void run_render(const RenderArguments& a, Console& console) {
     console.tell(a.input.told(), "input");
     console.tell_value("input.format", read.format);
     console.tell(r);
+    console.tell_stages();
     say_surface(a, *r.surface, console);
   }
   std::vector<ToldObject> objects_told;
