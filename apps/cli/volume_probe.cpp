@@ -75,7 +75,8 @@ Command add_volume_probe(CommandLine& volume) {
            "boundary.\n\nExamples:\n"
            "  sansmesh volume probe fire.vtu --array t --at 0.5,0.5,0.5\n"
            "  sansmesh volume probe post.bin --points where.csv --array Density -o density.csv");
-  c.tells({told<ReadVolume>("input"), told_value<std::size_t>("points", "Points that were asked for"), told<ProbeReport>(), told<ToldFile>("output"), told_list<ProbedValue>("values")});
+  c.tells({told<ReadVolume>("input"), told_value<std::size_t>("points", "Points that were asked for"),
+           told<ProbeReport>(), told<ToldFile>("output"), told_list<ProbedValue>("values")});
   return {&c, [a](Console& console) { run_probe(*a, console); }};
 }
 
