@@ -4,7 +4,9 @@
 
 #include <fmt/core.h>
 
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "advise_volume.h"
 #include "cloud_input.h"
@@ -17,28 +19,22 @@
 namespace sansmesh::cli {
 namespace {
 
-Json to_json(const CloudTraits& t) {
-  return {{"samples", t.samples},
-          {"diagonal", t.diagonal},
-          {"spacing", t.spacing},
-          {"noise", t.noise},
-          {"noise_known", t.noise_known},
-          {"most_noise", t.most_noise},
-          {"step", t.step},
-          {"density_ratio", t.density_ratio},
-          {"evenness", t.evenness},
-          {"outliers", t.outliers},
-          {"creases", t.creases_known ? Json(t.creases) : Json()},
-          {"crease_length", t.creases_known ? Json(t.crease_length) : Json()},
-          {"borders", t.borders},
-          {"border_length", t.border_length},
-          {"open", t.open},
-          {"faces", t.faces},
-          {"open_edges", t.faces ? Json(t.open_edges) : Json()},
-          {"open_loops", t.faces ? Json(t.open_loops) : Json()},
-          {"normals", judge_normals(t.orientation).words},
-          {"orientation", json_of_normals(judge_normals(t.orientation))}};
-}
+/// Advice with the command that follows it.
+struct ToldAdvice {
+  Recommendation advice;
+  std::vector<std::string> commands;
+  std::string why;  ///< in words of the command line
+
+  static const ReportSchema& schema();
+};
+
+constexpr ReportRow kToldAdvice[] = {
+    reported<[](const ToldAdvice& r) { return aim_word(r.advice.aim); }>({.name = "aim", .text = "What it is for"}),
+    reported<[](const ToldAdvice& r) { return r.advice.surface; }>({.name = "surface", .text = "Surface, by name"}),
+    reported<&ToldAdvice::commands>({.text = "Commands that do it"}),
+    reported<&ToldAdvice::why>({.text = "Reason for that"})};
+constexpr ReportSchema kToldAdviceSchema{kToldAdvice};
+const ReportSchema& ToldAdvice::schema() { return kToldAdviceSchema; }
 
 /// The command that does what is recommended.
 std::string command_of(const Recommendation& r, const CloudInput& of) {
@@ -75,33 +71,26 @@ std::string command_of(const Recommendation& r, const CloudInput& of) {
 
 /// `recommended`: the command whose options reasons may name.
 void run_advise(const CloudInput& input, const CommandLine& recommended, Console& console) {
-  Progress& progress = console.progress();
-  progress.begin("read");
   ReadReport read;
   const PointSet points = input.read(console, read);
-  const Advice advice = naming(input.name(), console, [&] { return advise(points, progress); });
-  progress.finish();
+  const Advice advice = naming(input.name(), console, [&] { return advise(points, console.progress()); });
   console.note(input.name(), advice.notes);
+  console.tell(input.told(read, points.size()), "input");
+  console.tell(advice);
+  std::vector<ToldAdvice> told;
+  for (const Recommendation& r : advice.recommendations)
+    told.push_back({r, {command_of(r, input)}, in_flags(r.why, recommended)});
+  console.tell(told, "recommendations");
 
   const CloudTraits& t = advice.traits;
   console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", input.name(), counted(t.samples, "sample"),
                           length(t.spacing), noise_words({t.noise, t.most_noise, t.noise_known, t.step}, t.spacing),
                           read.format));
   for (const std::string& finding : advice.findings) console.say("  " + finding);
-  for (const Recommendation& r : advice.recommendations) {
-    console.say(fmt::format("{:<10}{}", aim_word(r.aim), in_flags(r.why, recommended)));
-    console.say("  $ " + command_of(r, input));
+  for (const ToldAdvice& one : told) {
+    console.say(aim_word(one.advice.aim), one.why, 10);
+    console.say("  $ " + one.commands[0]);
   }
-
-  Json json = {{"input", input.json(read, points.size())}, {"traits", to_json(t)}, {"findings", advice.findings}};
-  json["recommendations"] = Json::array();
-  for (const Recommendation& r : advice.recommendations)
-    json["recommendations"].push_back({{"aim", aim_word(r.aim)},
-                                       {"surface", r.surface},
-                                       {"commands", std::vector{command_of(r, input)}},
-                                       {"why", in_flags(r.why, recommended)}});
-  console.say_json(json);
-  console.print_timings();
 }
 
 }  // namespace
@@ -122,6 +111,8 @@ Command add_advise(CommandLine& app) {
       "  sansmesh advise scan.ply\n"
       "  sansmesh advise scan.ply --json\n"
       "  sansmesh advise fire.vtu --array t");
+  c.tells({told<ReadCloud>("input"), told<Advice>(), told_list<ToldAdvice>("recommendations"),
+           told<ReadVolume>("input"), told<VolumeAdvice>(), told_list<ToldCommand>("commands")});
   return {&c, [input, volume, &app](Console& console) {
             const bool named = names_volume(input->files);
             if (!named && !volume->read.raw.given()) {

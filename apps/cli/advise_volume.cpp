@@ -84,6 +84,14 @@ void say_traits(const VolumeTraits& t, Console& console) {
 
 }  // namespace
 
+const ReportSchema& ToldCommand::schema() {
+  static constexpr ReportRow rows[] = {reported<&ToldCommand::aim>({.text = "What it is for"}),
+                                       reported<&ToldCommand::why>({.text = "Reason for that"}),
+                                       reported<&ToldCommand::command>({.text = "Command that does it"})};
+  static constexpr ReportSchema schema{rows};
+  return schema;
+}
+
 std::string shell_word(const std::string& name) {
   const auto plain = [](unsigned char c) {
     return std::isalnum(c) || c >= 0x80 || std::string("_-./+,:@%=").find(static_cast<char>(c)) != std::string::npos;
@@ -100,43 +108,32 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
   VolumeModel volume = any.open(console);
   const VolumeAdvice advice = advise(volume, console.progress());
   const VolumeOffer& offer = advice.offer;
-  console.progress().finish();
 
-  const auto samples = volume.samples(console.progress());
-  Json json = {{"input", json_of_volume(input, volume, console.progress())}};
-  if (offer.values) {
-    const VolumeTraits& t = offer.traits;
-    const std::string& name = offer.suited.method;
-    console.say(fmt::format("{}: {} of {} ({}{})", volume.name(), counted(t.samples, "sample"), volume.array_name(),
-                            samples->facts.grid, offer.steps > 1 ? fmt::format(", {} steps", offer.steps) : ""));
-    say_traits(t, console);
-    console.say(fmt::format("{:<16}{}, since it is {}", "reconstruction", name, offer.suited.why));
-    json["array"] = volume.choice().array;
-    json["samples"] = t.samples;
-    json["left_out"] = t.left_out;
-    json["left_out_rms"] = t.left_out_rms;
-    json["noise"] = t.noise;
-    json["steps"] = t.steps;
-    json["resolved"] = t.resolved();
-    json["method"] = name;
-    json["why"] = offer.suited.why;
-  } else {
-    console.say(fmt::format("{}: {}, {} ({}), no arrays", volume.name(), counted(samples->facts.points, "point"),
-                            counted(samples->facts.cells, "cell"), samples->facts.grid));
-  }
-
+  console.tell(input.told(volume, console.progress()), "input");
+  console.tell(advice);
   std::string files;
   for (const std::string& file : input.files) files += (files.empty() ? "" : " ") + shell_word(file);
   files += raw_words(input.read);
-  json["commands"] = Json::array();
-  for (const VolumeRecommendation& r : advice.recommendations) {
-    const std::string command = volume_command(r, advice, files, input.files.size() > 1);
-    console.say(fmt::format("{:<16}{}", aim_word(r.aim), r.why));
-    console.say("  $ " + command);
-    json["commands"].push_back({{"aim", aim_word(r.aim)}, {"why", r.why}, {"command", command}});
+  std::vector<ToldCommand> told;
+  for (const VolumeRecommendation& r : advice.recommendations)
+    told.push_back({aim_word(r.aim), r.why, volume_command(r, advice, files, input.files.size() > 1)});
+  console.tell(told, "commands");
+
+  const VolumeFacts& facts = volume.samples(console.progress())->facts;
+  if (offer.values) {
+    console.say(fmt::format("{}: {} of {} ({}{})", volume.name(), counted(offer.traits.samples, "sample"),
+                            volume.array_name(), facts.grid,
+                            offer.steps > 1 ? fmt::format(", {} steps", offer.steps) : ""));
+    say_traits(offer.traits, console);
+    console.say("reconstruction", fmt::format("{}, since it is {}", offer.suited.method, offer.suited.why));
+  } else {
+    console.say(fmt::format("{}: {}, {} ({}), no arrays", volume.name(), counted(facts.points, "point"),
+                            counted(facts.cells, "cell"), facts.grid));
   }
-  console.say_json(json);
-  console.print_timings();
+  for (const ToldCommand& one : told) {
+    console.say(one.aim, one.why);
+    console.say("  $ " + one.command);
+  }
 }
 
 }  // namespace sansmesh::cli

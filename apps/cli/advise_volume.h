@@ -4,9 +4,17 @@
 #include <string>
 
 #include "console.h"
+#include "sansmesh/volumes.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
+
+/// Advice on a volume, and the command that follows it.
+struct ToldCommand {
+  std::string aim, why, command;
+
+  static const ReportSchema& schema();
+};
 
 /// A file's name as a shell takes it for one word.
 std::string shell_word(const std::string& name);

@@ -6,7 +6,6 @@
 #include <utility>
 #include <vector>
 
-#include "align_report.h"
 #include "cloud_input.h"
 #include "commands.h"
 #include "mesh_words.h"
@@ -42,8 +41,6 @@ void run_align(const AlignArguments& a, Console& console) {
   AlignResult made = align(moving.surface, fixed.surface, a.options, progress, before);
   const std::string& moving_file = moving.surface.name();
   console.note(moving_file, made.notes);
-  const SurfaceAlignment& r = made.report;
-  const std::size_t vertices = made.moved.vertices.size(), triangles = made.moved.triangles.size();
   if (!a.output.preview.empty()) {
     const RenderOptions look = a.output.picture.chosen();
     a.output.picture.write(a.output.preview, draw_alignment(made, look, progress), look);
@@ -51,35 +48,31 @@ void run_align(const AlignArguments& a, Console& console) {
   progress.begin("write");
   if (!output.empty() && points) {
     const PointSet cloud = vertices_of(std::move(made.moved));
-    console.warn(moving_file, loss_words(moving.read, output, cloud));
+    warn_of_losses(moving_file, moving.read, output, cloud, console);
     write_points(output, cloud, {.ascii = a.output.ascii});
+    console.tell(WrittenPoints{output, cloud.size()}, "output");
   } else if (!output.empty()) {
-    console.warn(moving_file, loss_words(moving.read, output, made.moved));
+    warn_of_losses(moving_file, moving.read, output, made.moved, console);
     write_mesh(output, made.moved, {.ascii = a.output.ascii});
+    console.tell(WrittenMesh(output, made.moved), "output");
   }
   if (!a.transform_output.empty()) write_transform(a.transform_output, made.motion);
-  progress.finish();
+  console.tell(moving.told, "moving");
+  console.tell(fixed.told, "fixed");
+  console.tell(made);
+  if (!a.output.preview.empty()) console.tell(ToldFile{a.output.preview}, "preview");
+  if (!a.transform_output.empty()) console.tell(ToldFile{a.transform_output}, "transform_output");
 
   console.say(fmt::format("{} ({}) moved onto {} ({})", moving_file, moving.surface.kind_word(), fixed.surface.name(),
                           fixed.surface.kind_word()));
-  say_alignment(r, console);
+  console.say(summary_of(made.report));
   if (output.empty() && a.transform_output.empty())
-    for (int row = 0; row < 3; ++row) {
-      const auto k = static_cast<std::size_t>(row);
-      console.say(fmt::format("{:>22} {:>22} {:>22} {:>22}", made.motion.x[k], made.motion.y[k], made.motion.z[k],
-                              made.motion.shift[k]));
+    for (std::size_t row = 0; row < 3; ++row) {
+      const auto& m = made.motion.rows()[row];
+      console.say(fmt::format("{:>22} {:>22} {:>22} {:>22}", m[0], m[1], m[2], m[3]));
     }
   for (const std::string& file : {output, a.transform_output, a.output.preview})
     if (!file.empty()) console.say(file + ": written");
-  Json json = {{"moving", moving.json}, {"fixed", fixed.json}};
-  json["alignment"] = json_of_alignment(r);
-  json["matrix"] = json_of_matrix(made.motion);
-  if (!output.empty()) json["output"] = {{"file", output}, {points ? "points" : "vertices", vertices}};
-  if (!output.empty() && !points) json["output"]["triangles"] = triangles;
-  if (!a.output.preview.empty()) json["preview"] = {{"file", a.output.preview}};
-  if (!a.transform_output.empty()) json["transform_output"] = {{"file", a.transform_output}};
-  console.say_json(json);
-  console.print_timings();
 }
 
 }  // namespace
@@ -112,6 +105,8 @@ Command add_align(CommandLine& app) {
       "  sansmesh align scan.ply design.stl -o aligned.ply --transform-output motion.txt\n"
       "  sansmesh align second.ply first.ply --from anywhere --json\n"
       "  sansmesh align inches.stl millimetres.ply -o same.stl --find-scale");
+  c.tells({told<ReadSurface>("moving"), told<ReadSurface>("fixed"), told<AlignResult>(), told<WrittenPoints>("output"),
+           told<WrittenMesh>("output"), told<ToldFile>("preview"), told<ToldFile>("transform_output")});
   return {&c, [a](Console& console) { run_align(*a, console); }};
 }
 

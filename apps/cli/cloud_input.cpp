@@ -27,50 +27,17 @@ CloudScale::CloudScale(const PointSet& points) : spacing(estimate_spacing(points
 
 std::string CloudScale::noise_words() const { return sansmesh::noise_words(noise, spacing); }
 
-void CloudScale::add_to(Json& json) const {
-  json["spacing"] = spacing;
-  json["noise"] = noise.deviation;
-  json["noise_known"] = noise.known;
-  json["most_noise"] = noise.most;
-}
-
-Json json_of_normals(const GivenNormals& given) {
-  const OrientationReport& r = given.report;
-  if (r.check == OrientationCheck::missing) return {{"oriented", false}};
-  Json json = {{"oriented", given.oriented},
-               {"agreement", r.agreement},
-               {"related", r.related},
-               {"outward", r.outward},
-               {"inward", r.inward},
-               {"open", r.open},
-               {"certain", given.oriented_by || r.certain()},
-               {"doubt", r.doubt}};
-  if (given.oriented_by) {
-    json["oriented_by"] = orient_by_word(*given.oriented_by);
-    json["looking_away"] = given.looking_away;
-  }
-  return json;
+const ReportSchema& CloudScale::schema() {
+  static constexpr ReportRow rows[] = {
+      reported<&CloudScale::spacing>({.text = "Spacing of the points", .unit = "length"}),
+      reported_beside<&CloudScale::noise>()};
+  static constexpr ReportSchema schema{rows};
+  return schema;
 }
 
 std::string CloudInput::name() const {
   if (files.size() == 1) return files[0];
   return fmt::format("{} and {}", files[0], counted(files.size() - 1, "other file"));
-}
-
-Json CloudInput::json() const {
-  Json json;
-  if (files.size() == 1)
-    json["file"] = files[0];
-  else
-    json["files"] = files;
-  return json;
-}
-
-Json CloudInput::json(const ReadReport& read, std::size_t points) const {
-  Json all = json();
-  all["format"] = read.format;
-  all["points"] = points;
-  return all;
 }
 
 bool CloudInput::is_function() const {
@@ -80,6 +47,7 @@ bool CloudInput::is_function() const {
 }
 
 PointSet CloudInput::read(Console& console, ReadReport& report) const {
+  console.progress().begin("read");
   PointSet points = read_merged(files, &report);
   if (files.size() == 1)
     console.warn(files[0], report.warnings);

@@ -9,9 +9,9 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/point_set.h"
-#include "sansmesh/points/given_normals.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/point_classes.h"
+#include "told_files.h"
 
 namespace sansmesh::cli {
 
@@ -25,14 +25,13 @@ struct CloudInput {
 
   /// "a.las", "a.las and 2 other files"
   std::string name() const;
-  /// "file", or "files".
-  Json json() const;
-  /// With what was read: "format" and "points".
-  Json json(const ReadReport& read, std::size_t points) const;
+  ReadFiles told() const { return {files}; }
+  /// With what was read.
+  ReadCloud told(const ReadReport& read, std::size_t points) const { return {{files}, read.format, points}; }
   /// Whether it is a function file and not a cloud. Throws ArgumentError where points of it were to be chosen.
   bool is_function() const;
-  /// All as one cloud, and of it the points of the classes that were asked for. Warnings go to the console. Throws
-  /// FileError.
+  /// All as one cloud, which is a stage of the progress, and of it the points of the classes that were asked for.
+  /// Warnings go to the console. Throws FileError.
   PointSet read(Console& console, ReadReport& report) const;
 };
 
@@ -61,10 +60,8 @@ struct CloudScale {
   CloudScale(double spacing_of, const NoiseEstimate& noise_of) : spacing(spacing_of), noise(noise_of) {}
   /// "unknown: 0.02 at most, of shape or noise", "0.0039"
   std::string noise_words() const;
-  /// Adds `spacing`, `noise`, `noise_known`, `most_noise`.
-  void add_to(Json& json) const;
-};
 
-Json json_of_normals(const GivenNormals& normals);
+  static const ReportSchema& schema();
+};
 
 }  // namespace sansmesh::cli

@@ -1,7 +1,6 @@
 #include "command_line.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -37,22 +36,10 @@ struct Variable<double> {
   static void read(double& v, const std::string& word) { v = parse_real(word); }
 };
 template <>
-struct Variable<float> {
-  static constexpr auto kind = OptionEntry::Kind::real;
-  static void read(float& v, const std::string& word) { v = static_cast<float>(parse_real(word)); }
-};
-template <>
 struct Variable<int> {
   static constexpr auto kind = OptionEntry::Kind::whole;
   static void read(int& v, const std::string& word) {
     v = static_cast<int>(parse_whole(word, std::numeric_limits<int>::min(), std::numeric_limits<int>::max()));
-  }
-};
-template <>
-struct Variable<std::size_t> {
-  static constexpr auto kind = OptionEntry::Kind::whole;
-  static void read(std::size_t& v, const std::string& word) {
-    v = static_cast<std::size_t>(parse_whole(word, 0, std::numeric_limits<long long>::max()));
   }
 };
 
@@ -78,17 +65,6 @@ struct Read<std::vector<T>> : Variable<T> {
 };
 
 }  // namespace
-
-std::optional<OptionRange> OptionEntry::numbers_taken() const {
-  if (range || (kind != Kind::whole && kind != Kind::real)) return range;
-  const std::size_t dots = what.find("..");
-  const std::size_t comma = dots == std::string::npos ? dots : what.rfind(", ", dots);
-  if (comma == std::string::npos || what.find("..", dots + 2) != std::string::npos) return std::nullopt;
-  const std::size_t end = std::min({what.find(" [", dots), what.find(" (", dots), what.find(": ", dots), what.size()});
-  const std::string least = what.substr(comma + 2, dots - comma - 2), most = what.substr(dots + 2, end - dots - 2);
-  if (!are_numbers(least) || !are_numbers(most)) return std::nullopt;
-  return OptionRange{parse_real(least), parse_real(most)};
-}
 
 std::vector<std::string> OptionEntry::file_endings() const {
   if (!endings.empty()) return endings;
@@ -122,10 +98,6 @@ Option Option::within(double least, double most) const {
   entry_->range = OptionRange{least, most};
   return *this;
 }
-Option Option::positive() const {
-  entry_->range = sansmesh::positive();
-  return *this;
-}
 Option Option::numbers(int count) const {
   entry_->numbers = count;
   entry_->several = false;
@@ -140,14 +112,6 @@ Option Option::repeated() const {
   entry_->repeated = true;
   entry_->several = false;
   return *this;
-}
-Option Option::excludes(const std::string& other) const {
-  entry_->excludes = other;
-  return *this;
-}
-Option Option::in_order() const {
-  entry_->in_order = true;
-  return repeated();
 }
 Option Option::once_called(const std::string& name) const {
   entry_->old_names.push_back(name);
@@ -177,15 +141,9 @@ Option CommandLine::add_option(const std::string& names, T& variable, const std:
   return Option(entry);
 }
 template Option CommandLine::add_option(const std::string&, int&, const std::string&);
-template Option CommandLine::add_option(const std::string&, std::size_t&, const std::string&);
-template Option CommandLine::add_option(const std::string&, float&, const std::string&);
-template Option CommandLine::add_option(const std::string&, double&, const std::string&);
 template Option CommandLine::add_option(const std::string&, std::string&, const std::string&);
 template Option CommandLine::add_option(const std::string&, std::vector<double>&, const std::string&);
 template Option CommandLine::add_option(const std::string&, std::vector<std::string>&, const std::string&);
-template Option CommandLine::add_option(const std::string&, std::optional<int>&, const std::string&);
-template Option CommandLine::add_option(const std::string&, std::optional<std::size_t>&, const std::string&);
-template Option CommandLine::add_option(const std::string&, std::optional<float>&, const std::string&);
 template Option CommandLine::add_option(const std::string&, std::optional<double>&, const std::string&);
 template Option CommandLine::add_option(const std::string&, std::optional<std::string>&, const std::string&);
 
@@ -196,37 +154,6 @@ Option CommandLine::add_option_function(const std::string& names, std::function<
     for (const std::string& word : words) use(word);
   };
   return Option(entry);
-}
-Option CommandLine::add_option_function(const std::string& names, std::function<void(const std::vector<double>&)> use,
-                                        const std::string& what) {
-  OptionEntry& entry = add(names, OptionEntry::Kind::real, what);
-  entry.several = true;
-  entry.use = [use = std::move(use)](const std::vector<std::string>& words) {
-    std::vector<double> numbers;
-    Read<std::vector<double>>::from(numbers, words);
-    for (std::size_t i = 0; i < words.size(); ++i)
-      if (std::isinf(numbers[i])) throw ValueError("must be finite, not " + words[i]);
-    use(numbers);
-  };
-  return Option(entry);
-}
-Option CommandLine::add_number_function(const std::string& names, std::function<void(double)> use,
-                                        const std::string& what) {
-  return add_option_function(
-             names,
-             [use = std::move(use)](const std::vector<double>& numbers) {
-               for (const double one : numbers) use(one);
-             },
-             what)
-      .repeated();
-}
-Option CommandLine::add_number_function(const std::string& names, std::function<void(std::size_t)> use,
-                                        const std::string& what) {
-  const Option option = add_number_function(
-      names, std::function<void(double)>([use = std::move(use)](double one) { use(static_cast<std::size_t>(one)); }),
-      what);
-  options_.back()->kind = OptionEntry::Kind::whole;
-  return option;
 }
 Option CommandLine::add_flag(const std::string& names, bool& variable, const std::string& what) {
   return add_flag_callback(

@@ -5,11 +5,11 @@
 #include <functional>
 #include <memory>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "option_entry.h"
+#include "report_json.h"
 
 namespace sansmesh::cli {
 
@@ -26,19 +26,13 @@ class Option {
   Option one_of(const std::vector<std::string>& words) const;
   /// Numbers of a range, ends included.
   Option within(double least, double most) const;
-  Option positive() const;
   /// So many numbers in one word, with commas between them.
   Option numbers(int count) const;
   /// Stands for this value where it is given without one. The next word is its value only if it is a number, one of the
   /// words that it takes, or one of `next_words`; others can be given as --flag=value.
   Option without_value(const std::string& value, const std::vector<std::string>& next_words = {}) const;
-  /// Its function is called for each time that it was given, with the values of that time, after all other options have
-  /// their values: those that are in order, in the order of the command line.
-  Option in_order() const;
   /// May be repeated, with one value (or so many numbers) each time.
   Option repeated() const;
-  /// Cannot be given together with another one.
-  Option excludes(const std::string& other) const;
   /// A name that it had: understood, and warned of.
   Option once_called(const std::string& name) const;
   /// Endings of the files that fit, for completion, where the description does not name them: {".ply", ".obj"}.
@@ -64,19 +58,14 @@ class CommandLine {
   /// `use` is called with the value once all is read; it may throw ValueError.
   Option add_option_function(const std::string& names, std::function<void(const std::string&)> use,
                              const std::string& what);
-  /// Of numbers all are finite.
-  Option add_option_function(const std::string& names, std::function<void(const std::vector<double>&)> use,
-                             const std::string& what);
-  /// Of a whole or real number, as the function takes one; called for each that was given.
-  template <class Use>
-  requires std::is_invocable_v<Use, double> Option add_option_function(const std::string& names, Use use,
-                                                                       const std::string& what) {
-    return add_number_function(names, std::function(std::move(use)), what);
-  }
   Option add_flag(const std::string& names, bool& variable, const std::string& what);
   Option add_flag_callback(const std::string& names, std::function<void()> use, const std::string& what);
   /// Text of the help below the options. Lines after one that is "Examples:" are commands to try.
   void footer(const std::string& text);
+
+  /// What it tells with --json: all that it may tell there.
+  void tells(const std::vector<ToldReport>& reports) { told_.insert(told_.end(), reports.begin(), reports.end()); }
+  const std::vector<ToldReport>& told() const { return told_; }
 
   /// For what makes options of its own kind (schema_options.h).
   OptionEntry& add_entry(const std::string& names, OptionEntry::Kind kind, const std::string& what) {
@@ -117,13 +106,12 @@ class CommandLine {
   const std::vector<std::unique_ptr<CommandLine>>& commands() const { return commands_; }
 
  private:
-  Option add_number_function(const std::string& names, std::function<void(double)> use, const std::string& what);
-  Option add_number_function(const std::string& names, std::function<void(std::size_t)> use, const std::string& what);
   OptionEntry& add(const std::string& names, OptionEntry::Kind kind, const std::string& what);
 
   std::string name_, what_, footer_, old_name_;
   CommandLine* parent_ = nullptr;
   bool common_ = true;
+  std::vector<ToldReport> told_;
   std::vector<std::unique_ptr<OptionEntry>> options_;
   std::vector<std::unique_ptr<CommandLine>> commands_;
 };

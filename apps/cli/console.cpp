@@ -6,8 +6,10 @@
 #include <chrono>
 #include <cstdlib>
 #include <exception>
+#include <stdexcept>
 #include <utility>
 
+#include "command_line.h"
 #include "flags.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/error.h"
@@ -37,10 +39,12 @@ Console::~Console() { clear(); }
 
 void Console::finish() {
   progress_.check();
+  progress_.finish();
   finishing_ = true;
   outputs_.commit();
   show(std::exchange(said_, {}));
-  if (listing_ && options_.json) print_json({{"files", std::move(results_)}});
+  show_json();
+  print_timings();
   finish_out();
 }
 
@@ -76,24 +80,59 @@ void Console::say(const std::string& line) {
   show(line + "\n");
 }
 
-void Console::say_json(Json json) {
-  if (!options_.json) return;
-  if (listing_) return results_.push_back(std::move(json));
-  print_json(std::move(json));
+void Console::say(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) say(in_flags(line));
 }
+
+void Console::say(const std::string& title, const std::string& text, int width) {
+  say(fmt::format("{:<{}}{}", title, width, text));
+}
+
+void Console::check_announced(const ToldReport& told) const {
+  for (const ToldReport& announced : command_.told())
+    if (announced.key == told.key && announced.schema == told.schema && announced.list == told.list) return;
+  throw std::logic_error("no report is announced under the key " + std::string(told.key));
+}
+
+void Console::tell(const ToldReport& told, const void* report) {
+  check_announced(told);
+  if (!options_.json) return;
+  if (told.list)
+    push_report(told_, told.key, *told.schema, report);
+  else
+    put_report(told_, told.key, *told.schema, report);
+}
+
+void Console::tell_value(std::string_view key, const Json& value) {
+  check_announced({key, nullptr});
+  *told_.at(key, true) = value;
+}
+
+void Console::begin_list(const ToldReport& told) {
+  check_announced(told);
+  *told_.at(told.key, true) = Json::array();
+}
+
+void Console::end_result() { results_.push_back(std::exchange(told_, Json())); }
 
 void Console::fail(const std::string& file, const std::string& message) {
   clear();
   print_error(message);
   failed_ = true;
-  results_.push_back({{"file", file}, {"error", {{"kind", "file"}, {"text", message}}}});
+  told_ = {{"file", file}, {"error", {{"kind", "file"}, {"text", message}}}};
+  end_result();
 }
 
-void Console::print_json(Json json) {
-  json["schema"] = kReportVersion;
-  json["warnings"] = warnings_;
-  json["messages"] = messages_;
-  show(json.text() + "\n");
+void Console::show_json() {
+  if (!options_.json) return;
+  if (listing_) told_ = {{"files", std::move(results_)}};
+  told_["schema"] = kReportVersion;
+  told_["warnings"] = warnings_;
+  told_["messages"] = messages_;
+  if (tells_stages_)
+    for (const Progress::Timing& t : progress_.timings())
+      told_["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
+  show(told_.text() + "\n");
 }
 
 void Console::warn(const std::string& file, const std::vector<std::string>& warnings) {

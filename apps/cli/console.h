@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "interrupt.h"
-#include "json.h"
+#include "report_json.h"
 #include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/io/output_batch.h"
@@ -45,12 +45,33 @@ class Console {
 
   /// A result for people: printed unless --json or --quiet. Once files were written, it waits for finish().
   void say(const std::string& line);
-  /// A result for programs, an object: printed with --json, once all is done, together with the list of all that was
-  /// warned of (`warnings`). Bytes that are not UTF-8, as names of files can have, are replaced.
-  void say_json(Json json);
+  /// Several lines, in which options are named as in messages of the library.
+  void say(const std::vector<std::string>& lines);
+  /// The same with a title: "area            0.5".
+  void say(const std::string& title, const std::string& text, int width = 16);
+  /// A result for programs: what a report tells, under a key or beside the others. Printed with --json, once all is
+  /// done, with all that was warned of (`warnings`). Throws std::logic_error for reports of
+  /// which the command does not say that it tells them (CommandLine::tells).
+  template <HasReport T>
+  void tell(const T& report, std::string_view key = {}) {
+    tell(ToldReport{key, &T::schema()}, &report);
+  }
+  /// The same of a value.
+  void tell_value(std::string_view key, const Json& value);
+  /// The time of each stage as well (`stages`), of commands whose results are not compared.
+  void tell_stages() { tells_stages_ = true; }
+  /// The same of a list of reports.
+  template <HasReport T>
+  void tell(const std::vector<T>& reports, std::string_view key) {
+    const ToldReport told{key, &T::schema(), true};
+    begin_list(told);
+    for (const T& report : reports) tell(told, &report);
+  }
   /// From here on results for programs are a list, `files` of one object: a command tells of several files, one after
   /// the other.
   void list_results() { listing_ = true; }
+  /// All that was told since the last one is of one of these files.
+  void end_result();
   /// A mistake in one of several files: told as errors are, and in the list. The command goes on, and fails in the end.
   void fail(const std::string& file, const std::string& message);
   bool has_failed() const { return failed_; }
@@ -65,10 +86,15 @@ class Console {
   void warn(const std::vector<std::string>& warnings);
   /// The same for what is printed in other ways.
   std::string in_flags(const std::string& message) const;
-  /// With --verbose: the table of stages.
-  void print_timings();
 
  private:
+  void tell(const ToldReport& told, const void* report);
+  void begin_list(const ToldReport& told);
+  void check_announced(const ToldReport& told) const;
+  /// All that was told.
+  void show_json();
+  /// With --verbose: the table of stages.
+  void print_timings();
   void warn_line(const std::string& line);
   void print_json(Json json);
   void show(const std::string& text);
@@ -78,11 +104,12 @@ class Console {
   ConsoleOptions options_;
   const CommandLine& command_;
   std::vector<std::string> warnings_;
-  Json messages_ = Json::array();
+  Json messages_ = Json::array(), told_;
   Json results_ = Json::array();
   bool listing_ = false, failed_ = false;
   std::string said_;  ///< once there are files, of which it is, in their places
   bool keeps_frames_ = false;
+  bool tells_stages_ = false;
   bool finishing_ = false;
   bool terminal_ = false;
   bool drawn_ = false;

@@ -5,9 +5,9 @@
 
 #include <memory>
 #include <string>
-#include <vector>
 
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
 #include "schema_options.h"
 #include "solid_input.h"
@@ -21,50 +21,23 @@ struct CsgArguments {
   CsgMeshOptions options;
 };
 
-std::string number(double value) { return fmt::format("{:.6g}", value); }
-
 void run_csg(const CsgArguments& a, Console& console) {
   a.options.validate();
   a.output.check();
-  Progress& progress = console.progress();
   const SolidModel solid = open_solid(a.expression, console);
-  const CsgResult made = mesh_of_solid(solid, a.options, progress);
-  const TriangleMesh& mesh = made.mesh;
-  const CsgMeshReport& report = made.report;
+  const CsgResult made = mesh_of_solid(solid, a.options, console.progress());
+  const CsgMeshReport& r = made.report;
   console.note(a.output.file, made.notes);
-  a.output.write(mesh, progress);
-  progress.finish();
+  a.output.write(made.mesh, console);
+  console.tell(solid);
+  console.tell(r);
 
-  const Vec3 size = report.box.size();
-  console.say(fmt::format("{} × {} × {}, cells of {}, {}", length(size.x), length(size.y), length(size.z),
-                          length(report.cell), counted(report.blocks, "block")));
-  console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output.file, counted(mesh.triangles.size(), "triangle"),
-                          grouped(mesh.vertices.size()), counted(report.components, "component"),
-                          report.closed ? ", closed" : ", not closed"));
-  console.say(fmt::format("area {}, volume {}{}", number(report.area), number(report.volume),
-                          report.largest_error > 0
-                              ? fmt::format("; triangles {} off on average, at most {}", length(report.mean_error),
-                                            length(report.largest_error))
-                              : ""));
-  const auto corner = [](const Vec3& p) { return std::vector<double>{p.x, p.y, p.z}; };
-  const Json json = {{"expression", a.expression},
-                     {"files", solid.files()},
-                     {"box", {{"lower", corner(report.box.lower)}, {"upper", corner(report.box.upper)}}},
-                     {"cell", report.cell},
-                     {"depth", report.depth},
-                     {"blocks", report.blocks},
-                     {"area", report.area},
-                     {"volume", report.volume},
-                     {"mean_error", report.mean_error},
-                     {"largest_error", report.largest_error},
-                     {"output",
-                      {{"file", a.output.file},
-                       {"vertices", mesh.vertices.size()},
-                       {"triangles", mesh.triangles.size()},
-                       {"components", report.components},
-                       {"closed", report.closed}}}};
-  console.say_json(json);
-  console.print_timings();
+  console.say(fmt::format("{}, cells of {}, {}", size_words(r.box.size()), length(r.cell), counted(r.blocks, "block")));
+  say_mesh(a.output.file, made.mesh, r.components, r.closed, console);
+  std::string size = area_words(r.area, r.volume);
+  if (r.largest_error > 0)
+    size += fmt::format("; triangles {} off on average, at most {}", length(r.mean_error), length(r.largest_error));
+  console.say(size);
 }
 
 }  // namespace
@@ -94,6 +67,7 @@ Command add_csg(CommandLine& app) {
       "  sansmesh csg 'shell(scan.smf, 2, side=inside) & plane(z, offset=40)' -o half.stl --cell 0.5\n"
       "  sansmesh csg 'difference(box(2), sphere(1.3), r=0.1)' -o part.glb --preview part.png\n"
       "  sansmesh csg 'cylinder(1) - cylinder(0.8)' -o pipe.ply --box -1,-1,0,1,1,5");
+  c.tells({told<SolidModel>(), told<CsgMeshReport>()});
   return {&c, [a](Console& console) { run_csg(*a, console); }};
 }
 

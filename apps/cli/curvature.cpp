@@ -44,14 +44,9 @@ void report_curvature(const CurvatureArguments& arguments, const CurvatureResult
       fmt::format("{}: k1 k2 mean_curvature gaussian_curvature curvedness shape_index d1 d2, colours of {} "
                   "up to ±{}",
                   arguments.output, word, length(r.color_range)));
-  const Json json = {{"input", arguments.input.json(read, n)},
-                     {"noise", r.noise},
-                     {"undefined", r.undefined},
-                     {word, {{"q05", r.q05}, {"median", r.median}, {"q95", r.q95}}},
-                     {"color_range", r.color_range},
-                     {"output", {{"file", arguments.output}}}};
-  console.say_json(json);
-  console.print_timings();
+  console.tell(arguments.input.told(read, n), "input");
+  console.tell(r);
+  console.tell(ToldFile{arguments.output}, "output");
 }
 
 void run_curvature(const CurvatureArguments& arguments, Console& console) {
@@ -66,7 +61,6 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
   if (!arguments.preview.empty()) check_writable(arguments.preview, "image");
 
   Progress& progress = console.progress();
-  progress.begin("read");
   ReadReport read;
   PointSet given = arguments.input.read(console, read);
   if (given.triangles.empty()) check_writable(arguments.output, "points");
@@ -86,14 +80,12 @@ void run_curvature(const CurvatureArguments& arguments, Console& console) {
   progress.begin("write");
   if (r.mesh && is_written(arguments.output, "mesh")) {
     const TriangleMesh mesh = to_mesh(points);
-    console.warn(arguments.input.name(), loss_words(read, arguments.output, mesh));
+    warn_of_losses(arguments.input.name(), read, arguments.output, mesh, console);
     write_mesh(arguments.output, mesh, {.ascii = arguments.ascii});
   } else {
     write_points(arguments.output, points, {.ascii = arguments.ascii});
   }
   if (!arguments.preview.empty()) arguments.picture.write(arguments.preview, preview, look);
-  progress.finish();
-
   report_curvature(arguments, made, read, console);
 }
 
@@ -120,6 +112,7 @@ Command add_curvature(CommandLine& app) {
       "\n\nExamples:\n"
       "  sansmesh curvature scan.ply -o curved.ply --preview curved.png\n"
       "  sansmesh curvature scan.ply -o table.csv --color-by gaussian");
+  c.tells({told<ReadCloud>("input"), told<CurvatureReport>(), told<ToldFile>("output")});
   return {&c, [shared](Console& console) { run_curvature(*shared, console); }};
 }
 

@@ -11,10 +11,13 @@
 
 #include "cloud_input.h"
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
+#include "sansmesh/function/function_file.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/write_volume.h"
+#include "sansmesh/jobs/frame_names.h"
 #include "sansmesh/measure/section_text.h"
 #include "sansmesh/surface_function.h"
 #include "schema_options.h"
@@ -50,7 +53,6 @@ struct DeformArguments {
 /// Summary of all poses, printed at the end.
 struct Deformed {
   DeformResult result;
-  Json input, output;
   std::vector<std::string> files, lines;
 };
 
@@ -92,53 +94,37 @@ void check_deform(DeformArguments& a) {
   a.map.box = a.options.box;
 }
 
-struct WritePose {
-  const DeformArguments& a;
-  const std::string& file;
-
-  void operator()(const PointSet& points) const { write_points(file, points, {a.ascii}); }
-  void operator()(const TriangleMesh& mesh) const { write_mesh(file, mesh, {a.ascii}); }
-  void operator()(const std::vector<Section>& sections) const {
-    write_text(file, file.ends_with(".svg") ? section_svg(sections, {.unit = a.unit}) : section_csv(sections));
-  }
-  void operator()(const GridBlock& block) const { write_volume(file, block); }
-  void operator()(const DeformedPicture& picture) const {
-    RenderOptions look = a.options.look.picture;
-    look.view.width -= picture.bar;
-    a.picture.write(file, picture.image, look);
-  }
-};
-
 UsePose to_files(const DeformArguments& a, Deformed& deformed, Console& console) {
   return [&](int pose, const DeformedPose& made) {
     deformed.files.push_back(a.file(pose));
     console.progress().begin("write");
-    std::visit(WritePose{a, deformed.files.back()}, made);
+    const std::string& file = deformed.files.back();
+    const auto* const picture = std::get_if<DeformedPicture>(&made);
+    if (!picture) return write_pose(file, made, a.ascii, a.unit);
+    RenderOptions look = a.options.look.picture;
+    look.view.width -= picture->bar;
+    a.picture.write(file, picture->image, look);
   };
 }
 
-Json json_of_folds(const FoldReport& folds, Json json) {
-  json["folded"] = folds.share;
-  if (folds.folds.empty()) return json;
-  Json list = Json::array();
-  for (const Fold& f : folds.folds)
-    list.push_back({{"center", std::vector<double>{f.center.x, f.center.y, f.center.z}}, {"share", f.share}});
-  json["folds"] = list;
-  return json;
-}
-
-PointSet read_cloud(const DeformArguments& a, Json& input, Console& console) {
+PointSet read_cloud(const DeformArguments& a, Console& console) {
   const CloudInput cloud{a.input.files, {}, {}, {}};
   ReadReport read;
   PointSet points = cloud.read(console, read);
-  input = cloud.json(read, points.size());
+  console.tell(cloud.told(read, points.size()), "input");
   return points;
+}
+
+SolidModel read_solid_of(const DeformArguments& a, Console& console) {
+  SolidModel solid = open_solid(a.input.files[0], console);
+  console.tell(solid, "input");
+  return solid;
 }
 
 Deformed deform_cloud(const DeformArguments& a, const Deformation& deformation, Console& console) {
   Deformed d;
-  const PointSet points = read_cloud(a, d.input, console);
-  const bool mesh = !points.triangles.empty(), cut = !deformation.cuts().empty();
+  const PointSet points = read_cloud(a, console);
+  const bool mesh = !points.triangles.empty();
   if (a.aim() == DeformAim::shape) check_writable(a.output, mesh ? "mesh" : "points");
   d.result =
       deform(points, a.input.name(), deformation, a.aim(), a.options, to_files(a, d, console), console.progress());
@@ -147,45 +133,26 @@ Deformed deform_cloud(const DeformArguments& a, const Deformation& deformation, 
                                        r.vertices == 1 ? "vertex" : "vertices",
                                        r.added > 0 ? fmt::format(" ({} added)", grouped(r.added)) : "")
                          : counted(r.vertices, "point"));
-  if (mesh && cut)
-    d.lines.push_back(r.cut.edges == 0 ? "no cut reaches it"
-                                       : fmt::format("opened along {}, {} on cut faces", counted(r.cut.edges, "edge"),
-                                                     counted(r.cut.faces, "triangle")));
-  d.output = {{"vertices", r.vertices},
-              {"triangles", r.triangles},
-              {"added", r.added},
-              {"turned", r.turned},
-              {"undefined", r.undefined}};
-  if (cut)
-    d.output["cut"] = {
-        {"edges", r.cut.edges}, {"faces", r.cut.faces}, {"unopened", r.cut.unopened}, {"unclosed", r.cut.unclosed}};
+  if (r.cut)
+    d.lines.push_back(r.cut->edges == 0 ? "no cut reaches it"
+                                        : fmt::format("opened along {}, {} on cut faces", counted(r.cut->edges, "edge"),
+                                                      counted(r.cut->faces, "triangle")));
   return d;
 }
 
 Deformed deform_solid(const DeformArguments& a, const Deformation& deformation, Console& console) {
   if (a.aim() == DeformAim::shape) check_writable(a.output, "mesh");
   Deformed d;
-  const SolidModel solid = open_solid(a.input.files[0], console);
-  d.input = {{"expression", a.input.files[0]}, {"files", solid.files()}};
+  const SolidModel solid = read_solid_of(a, console);
   d.result = deform(solid, deformation, a.aim(), a.options, to_files(a, d, console), console.progress());
   const DeformReport& r = d.result.report;
   if (r.mesh_of_open)
     d.lines = {fmt::format("{}, its surface bounds no solid: its mesh was deformed", counted(r.triangles, "triangle"))};
-  Json list = Json::array();
-  for (const Section& s : r.sections) {
-    d.lines.push_back(fmt::format("{:<20} length {:<11.6g} area {:<11.6g} {}", equation(s.plane), s.length, s.area,
-                                  s.curves.empty() ? "nothing there" : counted(s.curves.size(), "curve")));
-    list.push_back(
-        {{"equation", equation(s.plane)}, {"curves", s.curves.size()}, {"length", s.length}, {"area", s.area}});
-  }
-  if (a.aim() == DeformAim::sections) d.output = {{"sections", list}};
-  if (!r.solid) return d;
-  d.lines = {fmt::format("{}, {} vertices in {}{}", counted(r.triangles, "triangle"), grouped(r.vertices),
-                         counted(r.solid->components, "component"), r.solid->closed ? ", closed" : ", not closed"),
-             fmt::format("area {:.6g}, volume {:.6g}", r.solid->area, r.solid->volume)};
-  d.output = {{"vertices", r.vertices},    {"triangles", r.triangles}, {"components", r.solid->components},
-              {"closed", r.solid->closed}, {"cell", r.solid->cell},    {"area", r.solid->area},
-              {"volume", r.solid->volume}};
+  for (const Section& s : r.sections) d.lines.push_back(section_words(s));
+  if (r.solid)
+    d.lines = {fmt::format("{}, {} vertices in {}{}", counted(r.triangles, "triangle"), grouped(r.vertices),
+                           counted(r.solid->components, "component"), r.solid->closed ? ", closed" : ", not closed"),
+               area_words(r.solid->area, r.solid->volume)};
   return d;
 }
 
@@ -207,25 +174,23 @@ Deformed deform_volume(DeformArguments& a, const Deformation& deformation, Conso
   console.note(volume.name(), notes);
   Deformed d;
   d.result = deform(subject, deformation, a.aim(), a.options, to_files(a, d, console), console.progress());
+  console.tell(a.input.told(volume, console.progress()), "input");
+  console.tell(subject, "output");
   console.say(method_line(volume));
-  d.input = json_of_volume(a.input, volume, console.progress());
   const DeformReport& r = d.result.report;
-  if (picture) {
-    d.output = {{"rays", r.rays}, {"evaluations", r.evaluations}};
-    return d;
-  }
-  d.lines = {
-      fmt::format("{} × {} × {} values, {:.1f} % in the volume", r.size[0], r.size[1], r.size[2], 100 * r.inside)};
-  d.output = {{"size", r.size}, {"inside", r.inside}, {"arrays", subject.arrays}};
+  if (!picture) d.lines = {lattice_words(r.size, r.inside)};
   return d;
 }
 
 Deformed write_displacement_map(const DeformArguments& a, DeformedThing thing, const Deformation& deformation,
                                 Console& console) {
-  Json ignored;
-  const Box3 before = thing == DeformedThing::volume  ? a.input.open(console).samples(console.progress())->bounds()
-                      : thing == DeformedThing::solid ? open_solid(a.input.files[0], console).bounds()
-                                                      : bounds_of(read_cloud(a, ignored, console));
+  Box3 before;
+  if (thing == DeformedThing::volume) {
+    before = a.input.open(console).samples(console.progress())->bounds();
+    console.tell(a.input.told(), "input");
+  } else {
+    before = thing == DeformedThing::solid ? read_solid_of(a, console).bounds() : bounds_of(read_cloud(a, console));
+  }
   DeformationMapResult made = deformation_map(deformation, before, a.input.name(), a.map, console.progress());
   console.progress().begin("write");
   write_volume(a.output, made.block);
@@ -235,23 +200,10 @@ Deformed write_displacement_map(const DeformArguments& a, DeformedThing thing, c
                                         made.block.axes[2].size()};
   d.lines = {
       fmt::format("{} × {} × {} displacements: sansmesh deform … --map {}", size[0], size[1], size[2], a.output)};
-  d.input = a.input.json();
-  d.output = {{"size", size}};
+  d.result.report.size = size;
   d.result.report.folds = std::move(made.folds);
   d.result.notes = std::move(made.notes);
   return d;
-}
-
-Json json_of_deformation(const Deformation& deformation) {
-  if (!deformation.has_handles()) return {{"map", deformation.name()}};
-  const MlsDeformationOptions& by = deformation.options();
-  Json json = {{"handles", deformation.handles_at(0).size()},
-               {"file", deformation.name()},
-               {"kind", std::string(kind_word(by.kind))}};
-  if (by.kind == DeformationKind::nonlinear) json["degree"] = by.degree;
-  json["alpha"] = by.alpha;
-  if (!deformation.cuts().empty()) json["cuts"] = deformation.cuts().size(), json["damping"] = by.damping;
-  return json;
 }
 
 void run_deform(DeformArguments& a, Console& console) {
@@ -263,16 +215,14 @@ void run_deform(DeformArguments& a, Console& console) {
                      : thing == DeformedThing::volume ? deform_volume(a, deformation, console)
                                                       : deform_cloud(a, deformation, console);
   console.note(a.input.name(), d.result.notes);
-  console.progress().finish();
+  console.tell(deformation, "deformation");
+  console.tell(d.result.report, "output");
+  console.tell_value("output.files", d.files);
   console.say(fmt::format("{}: {}", a.input.name(), deformation.words()));
   for (const std::string& line : d.lines)
     console.say(fmt::format("{}: {}", d.files.size() == 1 ? d.files[0] : a.output, line));
   if (d.files.size() > 1)
     console.say(fmt::format("{} to {}: {}", d.files.front(), d.files.back(), counted(d.files.size(), "pose")));
-  Json output = json_of_folds(d.result.report.folds, d.output);
-  output["files"] = d.files;
-  console.say_json({{"input", d.input}, {"deformation", json_of_deformation(deformation)}, {"output", output}});
-  console.print_timings();
 }
 
 }  // namespace
@@ -343,6 +293,9 @@ Command add_deform(CommandLine& app) {
       "  sansmesh deform solid.ply --handles open.json --cut 'half-plane(0,0,0; 0,0,1; 1,0,0)' -o opened.ply\n"
       "  sansmesh deform head.mhd --handles nod.json -o nod.vti --size 256\n"
       "  sansmesh deform body.ply --handles-from scan0.ply,scan1.ply --handle-count 60 -o body1.ply");
+  c.tells({told<ReadCloud>("input"), told<SolidModel>("input"), told<ReadVolume>("input"), told<ReadFiles>("input"),
+           told<Deformation>("deformation"), told<DeformableVolume>("output"), told<DeformReport>("output"),
+           told_value<std::vector<std::string>>("output.files", "Files, a pose each")});
   return {&c, [shared](Console& console) { run_deform(*shared, console); }};
 }
 

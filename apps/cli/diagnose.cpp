@@ -12,9 +12,11 @@
 #include "option_groups.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/error.h"
+#include "sansmesh/function/function_file.h"
 #include "sansmesh/function_edits.h"
 #include "sansmesh/functions.h"
 #include "sansmesh/io.h"
+#include "sansmesh/jobs/frame_names.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {
@@ -33,19 +35,6 @@ std::string where(const SuspiciousPlace& p) {
   return fmt::format("({:.{}f}, {:.{}f}, {:.{}f})", p.position.x, digits, p.position.y, digits, p.position.z, digits);
 }
 
-Json to_json(const ListedPlace& listed) {
-  const SuspiciousPlace& p = listed.place;
-  return {{"number", listed.number},
-          {"kind", suspicion_name(p.kind)},
-          {"at", {p.position.x, p.position.y, p.position.z}},
-          {"normal", {p.normal.x, p.normal.y, p.normal.z}},
-          {"radius", p.radius},
-          {"fits", p.supports},
-          {"worst", p.worst},
-          {"edit", p.edit.has_value()},
-          {"step", listed.step}};
-}
-
 void check_files(const DiagnoseArguments& a) {
   if (!a.script.empty()) {
     if (!a.script.ends_with(".json")) throw FileError(a.script, "scripts are written to files with the ending .json");
@@ -56,23 +45,19 @@ void check_files(const DiagnoseArguments& a) {
   require(!a.separate || !a.pictures.empty(), "--separate is for --pictures FILE.png");
 }
 
-void say_places(const DiagnoseArguments& a, const DiagnoseResult& made, Console& console, Json& json) {
+void say_places(const DiagnoseArguments& a, const DiagnoseResult& made, Console& console) {
   const Diagnosis& d = made.diagnosis;
-  json["places"] = Json::array();
   auto next = made.places.begin();
   for (std::size_t k = 0; k < kSuspicions; ++k) {
     const auto kind = static_cast<Suspicion>(k);
-    json["found"][suspicion_name(kind)] = d.found[k];
     const std::string extra = kind == Suspicion::high_error ? fmt::format(" (above {})", length(d.error_above)) : "";
-    console.say(fmt::format("{:<16}{}{}", suspicion_name(kind),
-                            d.found[k] == 0 ? std::string("nowhere") : counted(d.found[k], "place"), extra));
+    console.say(suspicion_name(kind), (d.found[k] == 0 ? "nowhere" : counted(d.found[k], "place")) + extra);
     std::size_t shown = 0;
     for (; next != made.places.end() && next->place.kind == kind; ++next, ++shown) {
       const SuspiciousPlace& p = next->place;
       const std::string step = !a.script.empty() && next->step ? fmt::format("; step {}", *next->step) : "";
       console.say(fmt::format("{:>4} at {}, radius {}: {}, {}{}", next->number, where(p), length(p.radius),
                               next->worst_words(), counted(p.supports, "fit"), step));
-      json["places"].push_back(to_json(*next));
     }
     if (shown < d.found[k])
       console.say(fmt::format("     and {} more: --places {} lists all", grouped(d.found[k] - shown), d.found[k]));
@@ -100,30 +85,22 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
     files.push_back(a.separate ? frame_name(a.pictures, files.size() + 1) : a.pictures);
     write_image(files.back(), one);
   }
-  progress.finish();
+  console.tell(ToldFile{a.input}, "input");
+  console.tell(made);
+  if (!a.script.empty()) console.tell(ToldFile{a.script}, "script");
+  console.tell_value("pictures", files);
 
-  const std::size_t fits = info(function).fits;
   const Diagnosis& d = made.diagnosis;
-  console.say(fmt::format("{}: {}; largest gradient around the surface {:.2f}", a.input, counted(fits, "local fit"),
-                          d.largest_gradient));
-  Json json = {{"input", {{"file", a.input}, {"fits", fits}}},
-               {"error_above", d.error_above},
-               {"largest_gradient", d.largest_gradient}};
-  say_places(a, made, console, json);
-  if (!a.script.empty()) {
+  console.say(fmt::format("{}: {}; largest gradient around the surface {:.2f}", a.input,
+                          counted(made.fits, "local fit"), d.largest_gradient));
+  say_places(a, made, console);
+  if (!a.script.empty())
     console.say(fmt::format("{}: {} to try with `sansmesh edit`", a.script, counted(made.edits.size(), "edit")));
-    json["script"] = {{"file", a.script}, {"edits", made.edits.size()}};
-  }
   if (!a.preview.empty())
     console.say(fmt::format("{}: yellow low coverage, orange high error, red extra sheets, violet steep", a.preview));
-  if (!a.pictures.empty()) {
+  if (!a.pictures.empty())
     console.say(files.empty() ? a.pictures + ": not written, there is no place to look at"
-                              : fmt::format("{}: the places, by their numbers",
-                                            a.separate ? files.front() + " to " + files.back() : files.front()));
-    json["pictures"] = files;
-  }
-  console.say_json(json);
-  console.print_timings();
+                              : WrittenPictures{files}.words() + ": the places, by their numbers");
 }
 
 }  // namespace
@@ -148,6 +125,8 @@ Command add_diagnose(CommandLine& app) {
       "Examples:\n"
       "  sansmesh diagnose scan.smf --preview scan.png --pictures places.png --script-output edits.json\n"
       "  sansmesh edit scan.smf --script edits.json -o mended.smf");
+  c.tells({told<ToldFile>("input"), told<DiagnoseResult>(), told<ToldFile>("script"),
+           told_value<std::vector<std::string>>("pictures", "Pictures of the places")});
   return {&c, [a](Console& console) { run_diagnose(*a, console); }};
 }
 

@@ -3,14 +3,13 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
 #include <utility>
 
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
+#include "sansmesh/function/function_file.h"
 #include "sansmesh/function_edits.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
@@ -21,41 +20,6 @@ namespace {
 struct EditArguments {
   std::string input, script, output, mesh, mesh_output;
 };
-
-Json box_json(const Box3& box) {
-  if (box.empty()) return nullptr;
-  return {{box.lower.x, box.lower.y, box.lower.z}, {box.upper.x, box.upper.y, box.upper.z}};
-}
-
-Json step_json(const EditReport& r) {
-  Json boxes = Json::array();
-  for (const Box3& box : r.regions) boxes.push_back(box_json(box));
-  return {{"what", r.what},
-          {"selected", r.chosen},
-          {"supports", r.supports},
-          {"changed", box_json(r.changed)},
-          {"boxes", boxes}};
-}
-
-/// The edit and its place, in words.
-std::string step_words(const EditReport& r) {
-  if (r.changed.empty()) return r.what;
-  const std::size_t apart = separate_sets(r.regions);
-  const Vec3 size = r.changed.size();
-  return fmt::format("{}, {}within {} × {} × {}", r.what,
-                     apart > 1 ? fmt::format("in {} regions ", grouped(apart)) : std::string(), length(size.x),
-                     length(size.y), length(size.z));
-}
-
-/// What of the mesh is new: "162 of them new, 98.8 % kept", or why all of it is.
-std::string new_words(const MeshUpdate& update, std::size_t triangles) {
-  if (!update.local) return ", all made anew: " + update.why;
-  if (update.regions == 0) return ", as they were";
-  const double kept = 1 - static_cast<double>(update.added) / static_cast<double>(triangles);
-  return fmt::format(", of which {} are new{}; {:.1f} % kept", grouped(update.added),
-                     update.regions > 1 ? fmt::format(", in {} regions", grouped(update.regions)) : std::string(),
-                     std::floor(1000 * kept) / 10);
-}
 
 void check_files(const EditArguments& a) {
   require(!a.output.empty() || !a.mesh_output.empty(),
@@ -85,35 +49,21 @@ EditedFunction edited(const EditArguments& a, Console& console) {
 void run_edit(const EditArguments& a, Console& console) {
   check_files(a);
   const EditedFunction made = edited(a, console);
-  Progress& progress = console.progress();
-  progress.begin("write");
-  Json json = {{"input", {{"file", a.input}}}, {"steps", Json::array()}};
-  for (const EditReport& step : made.steps) json["steps"].push_back(step_json(step));
-  const std::size_t fits = info(made.function).fits, triangles = made.mesh.triangles.size();
-  const MeshUpdate& update = made.update;
-  if (!a.output.empty()) {
-    write_function(a.output, made.function);
-    json["output"] = {{"file", a.output}, {"fits", fits}};
-  }
-  if (!a.mesh_output.empty()) {
-    write_mesh(a.mesh_output, made.mesh);
-    json["mesh"] = {{"file", a.mesh_output},
-                    {"triangles", triangles},
-                    {"local", update.local},
-                    {"removed", update.removed},
-                    {"added", update.added},
-                    {"regions", update.regions},
-                    {"why", update.why.empty() ? Json() : Json(update.why)}};
-  }
-  progress.finish();
+  console.progress().begin("write");
+  if (!a.output.empty()) write_function(a.output, made.function);
+  if (!a.mesh_output.empty()) write_mesh(a.mesh_output, made.mesh);
+  console.tell(ToldFile{a.input}, "input");
+  console.tell(made);
+  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
+  if (!a.mesh_output.empty()) console.tell(ToldFile{a.mesh_output}, "mesh");
+
   for (std::size_t i = 0; i < made.steps.size(); ++i)
-    console.say(fmt::format("step {}: {}", i + 1, step_words(made.steps[i])));
-  if (!a.output.empty()) console.say(fmt::format("{}: {}", a.output, counted(fits, "local fit")));
+    console.say(fmt::format("step {}: {}", i + 1, words_of(made.steps[i])));
+  if (!a.output.empty()) console.say(fmt::format("{}: {}", a.output, counted(info(made.function).fits, "local fit")));
+  const std::size_t triangles = made.mesh.triangles.size();
   if (!a.mesh_output.empty())
     console.say(fmt::format("{}: {}{}", a.mesh_output, counted(triangles, "triangle"),
-                            a.mesh.empty() ? std::string() : new_words(update, triangles)));
-  console.say_json(json);
-  console.print_timings();
+                            a.mesh.empty() ? std::string() : words_of(made.update, triangles)));
 }
 
 }  // namespace
@@ -144,6 +94,7 @@ Command add_edit(CommandLine& app) {
       "Examples:\n"
       "  sansmesh edit scan.smf --script edits.json -o new.smf\n"
       "  sansmesh edit scan.smf --script edits.json -o new.smf --mesh scan.ply --mesh-output new.ply");
+  c.tells({told<ToldFile>("input"), told<EditedFunction>(), told<ToldFile>("output"), told<ToldFile>("mesh")});
   return {&c, [a](Console& console) { run_edit(*a, console); }};
 }
 

@@ -1,5 +1,6 @@
 // sansmesh fit: points in, function file out.
 #include "sansmesh/functions.h"
+#include "sansmesh/jobs/fit_words.h"
 
 #include <fmt/core.h>
 
@@ -9,6 +10,7 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
+#include "sansmesh/function/function_file.h"
 #include "sansmesh/io.h"
 #include "schema_options.h"
 
@@ -25,43 +27,33 @@ struct FitArguments {
 void run_fit(const FitArguments& a, Console& console) {
   a.options.validate();
   check_function_writable(a.output);
-  Progress& progress = console.progress();
-  progress.begin("read");
   ReadReport read;
   PointSet points = a.input.read(console, read);
   const std::size_t given = points.size();
   const CloudScale scale(points);
-  const auto [function, report, notes] =
-      naming(a.input.name(), console, [&] { return fit_function(std::move(points), a.options, progress); });
+  const auto [function, report, notes] = naming(a.input.name(), console, [&, &all = points] {
+    return fit_function(std::move(all), a.options, console.progress());
+  });
   console.note(a.input.name(), notes);
-  progress.begin("write");
+  console.progress().begin("write");
   write_function(a.output, function, !a.without_samples);
-  progress.finish();
+  console.tell(a.input.told(read, given), "input");
+  const FunctionInfo f = info(function);
+  console.tell(f);
+  console.tell(scale);
+  console.tell(report);
+  console.tell(ToldFile{a.output}, "output");
+  console.tell_value("output.samples", a.without_samples ? 0 : function.samples());
 
-  const FunctionInfo r = info(function);
   console.say(fmt::format("{}: {} ({})", a.input.name(), counted(given, "point"), read.format));
   console.say(fmt::format("spacing {}, noise {}, expected error of the surface {}", length(scale.spacing),
-                          scale.noise_words(), length(r.accuracy)));
-  console.say("normals " + normals_made(report.estimated_normals, report.oriented_by));
+                          scale.noise_words(), length(f.accuracy)));
+  console.say(normals_made(report.estimated_normals, report.oriented_by));
   if (!report.alignment.empty()) console.say(report.alignment);
-  console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(r.fits, "local fit"), r.depth,
-                          grouped(r.creased), a.without_samples ? ", without samples" : ""));
-  if (r.paper)
-    for (const std::string& line : paper_words(*r.paper, r.fits_of_degree)) console.say(line);
-  Json json = {{"input", a.input.json(read, given)}};
-  scale.add_to(json);
-  json["deviation"] = r.deviation;
-  json["normals"] = normals_made_json(report.estimated_normals, report.oriented_by);
-  json["accuracy"] = r.accuracy;
-  json["depth"] = r.depth;
-  json["fits"] = r.fits;
-  json["fits_of_degree"] = r.fits_of_degree;
-  json["creased"] = r.creased;
-  json["output"] = {{"file", a.output}, {"samples", a.without_samples ? 0 : function.samples()}};
-  if (r.paper) json["paper"] = paper_json(*r.paper);
-  if (a.options.cloud.align) json["alignment"] = report.alignment;
-  console.say_json(json);
-  console.print_timings();
+  console.say(fmt::format("{}: {} down to depth {}, {} with creases{}", a.output, counted(f.fits, "local fit"), f.depth,
+                          grouped(f.creased), a.without_samples ? ", without samples" : ""));
+  if (f.paper)
+    for (const std::string& line : paper_words(*f.paper, f.fits_of_degree)) console.say(line);
 }
 
 }  // namespace
@@ -85,6 +77,8 @@ Command add_fit(CommandLine& app) {
            "  sansmesh fit scan.ply -o scan.smf\n"
            "  sansmesh mesh scan.smf -o scan-mesh.ply\n"
            "  sansmesh diagnose scan.smf");
+  c.tells({told<ReadCloud>("input"), told<FunctionInfo>(), told<CloudScale>(), told<FitFunctionReport>(),
+           told<ToldFile>("output"), told_value<std::size_t>("output.samples", "Samples that were written with it")});
   return {&c, [a](Console& console) { run_fit(*a, console); }};
 }
 

@@ -12,10 +12,17 @@ FlowModel FlowInput::open(Console& console) const {
   return opened;
 }
 
-Json FlowInput::json(const FlowModel& opened, Progress& progress) const {
-  Json json = opened.volume() ? json_of_volume(volume, *opened.volume(), progress) : volume.json();
-  json["vectors"] = opened.vectors().empty() ? opened.name() : opened.vectors();
-  return json;
+ReadFlow FlowInput::told(const FlowModel& opened, Progress& progress) const {
+  return {{volume.files},
+          opened.volume() ? std::optional(volume_use(*opened.volume(), progress)) : std::nullopt,
+          opened.vectors().empty() ? opened.name() : opened.vectors()};
+}
+
+const ReportSchema& ReadFlow::schema() {
+  static constexpr ReportRow rows[] = {reported_base<ReadFiles, ReadFlow>(), reported_beside<&ReadFlow::volume>(),
+                                       reported<&ReadFlow::vectors>({.text = "Array of vectors, or the formula"})};
+  static constexpr ReportSchema schema{rows};
+  return schema;
 }
 
 void add_flow_input(CommandLine& c, FlowInput& input) {

@@ -1,13 +1,22 @@
 // A flow that a command reads: the vectors of a volume, of a series of volumes in time, or a formula.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "json.h"
 #include "sansmesh/flow.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
+
+/// What there is to tell of a flow.
+struct ReadFlow : ReadFiles {
+  std::optional<VolumeUse> volume;  ///< of steady ones
+  std::string vectors;
+
+  static const ReportSchema& schema();
+};
 
 struct FlowInput {
   VolumeInput volume;
@@ -15,7 +24,7 @@ struct FlowInput {
 
   /// Warnings go to the console.
   FlowModel open(Console& console) const;
-  Json json(const FlowModel& opened, Progress& progress) const;
+  ReadFlow told(const FlowModel& opened, Progress& progress) const;
 };
 
 /// DATA, --array and --method, --unsteady, --times, --time-interpolation and --memory.

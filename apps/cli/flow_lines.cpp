@@ -18,8 +18,6 @@
 namespace sansmesh::cli {
 namespace {
 
-constexpr const char* kEnds[] = {"time", "length", "boundary", "critical_point", "steps", "outside"};
-
 struct FlowLinesArguments {
   FlowInput input;
   TraceLinesOptions options;
@@ -51,7 +49,6 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   Progress& progress = console.progress();
   const FlowModel flow = a.input.open(console);
   a.drawn.check_color(arrays_along_lines(flow, a.options));
-  Json json = {{"input", a.input.json(flow, progress)}};
   const TraceLinesResult made = trace_lines_of(flow, a.options, progress);
   const FlowLineReport& r = made.report;
   std::optional<LinePicture> picture;
@@ -59,32 +56,25 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   progress.begin("write");
   write_lines(a.output, made.lines, {a.ascii});
   if (picture) a.picture.write(a.preview, picture->image, picture->made_with);
-  progress.finish();
   console.note(flow.source(), made.notes);
+  console.tell(a.input.told(flow, progress), "input");
+  console.tell(ToldFile{a.output}, "output");
+  console.tell_value("output.lines", made.lines.size());
+  console.tell_value("output.points", made.lines.positions.size());
+  console.tell(r);
+  if (picture) console.tell(ToldFile{a.preview}, "preview"), console.tell(*picture, "preview");
+
   console.say(fmt::format("{}: {} from {}", flow.name(), counted(made.lines.size(), "line"), counted(r.seeds, "seed")));
-  Json ends;
-  std::string said;
-  for (std::size_t k = 0; k < r.ends.size(); ++k) {
-    if (r.ends[k] == 0) continue;
-    ends[kEnds[k]] = r.ends[k];
-    std::string word = kEnds[k];
-    std::replace(word.begin(), word.end(), '_', ' ');
-    said += fmt::format("{}{} {}", said.empty() ? "" : ", ", word, grouped(r.ends[k]));
-  }
-  if (!said.empty()) console.say("ended by " + said);
-  const std::size_t points = made.lines.positions.size();
-  console.say(fmt::format("{}: {}, the longest line {}", a.output, counted(points, "point"), length(r.longest)));
+  std::string ends;
+  for (std::size_t k = 0; k < r.ends.size(); ++k)
+    if (r.ends[k] > 0) ends += fmt::format("{}{} {}", ends.empty() ? "" : ", ", kTraceEndWords[k], grouped(r.ends[k]));
+  std::replace(ends.begin(), ends.end(), '_', ' ');
+  if (!ends.empty()) console.say("ended by " + ends);
+  console.say(fmt::format("{}: {}, the longest line {}", a.output, counted(made.lines.positions.size(), "point"),
+                          length(r.longest)));
   if (picture)
     console.say(fmt::format("{}: colours by {} over {:.6g} to {:.6g}, tubes of radius {}", a.preview, picture->color_by,
                             picture->lower, picture->upper, length(picture->radius)));
-  json["seeds"] = {{"count", r.seeds}, {"outside", r.outside}};
-  json["ends"] = ends;
-  json["output"] = {{"file", a.output}, {"lines", made.lines.size()}, {"points", points}, {"longest", r.longest}};
-  if (picture)
-    json["preview"] = {{"file", a.preview},       {"color_by", picture->color_by}, {"lower", picture->lower},
-                       {"upper", picture->upper}, {"radius", picture->radius},     {"triangles", picture->triangles}};
-  console.say_json(json);
-  console.print_timings();
 }
 
 }  // namespace
@@ -110,6 +100,9 @@ Command add_flow_lines(CommandLine& flow) {
            "  sansmesh flow lines office.vtk --seeds 'line(0,0,1, 4,4,1, 50)' -o lines.vtp\n"
            "  sansmesh flow lines eddies.nek5000 --unsteady --kind streak --seeds 'point(3,3,0)' -o dye.vtp\n"
            "  sansmesh flow lines tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.3, 40)' --duration 10 -o column.csv");
+  c.tells({told<ReadFlow>("input"), told<ToldFile>("output"), told_value<std::size_t>("output.lines", "Lines"),
+           told_value<std::size_t>("output.points", "Points of all lines"), told<FlowLineReport>(),
+           told<ToldFile>("preview"), told<LinePicture>("preview")});
   return {&c, [shared](Console& console) { run_flow_lines(*shared, console); }};
 }
 

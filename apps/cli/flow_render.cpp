@@ -8,10 +8,10 @@
 #include "commands.h"
 #include "flow_surface_input.h"
 #include "option_groups.h"
-#include "picture_contents.h"
 #include "sansmesh/flow_pictures.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/jobs/picture_contents.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {
@@ -20,7 +20,7 @@ namespace {
 struct FlowRenderArguments {
   FlowInput input;
   FlowPictureOptions options;
-  PictureContents contents;
+  PictureContentsOptions contents;
   PictureArguments picture;
   std::string output, background = "gradient";
 };
@@ -36,22 +36,19 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
           "--volume-array and --iso need a steady flow");  // before reading
   const FlowModel flow = a.input.open(console);
   check_colors(flow, a.options);
-  std::vector<std::string> files;
-  const auto write = [&](std::size_t frame, const Image& image, const RenderOptions& made_with) {
-    files.push_back(a.options.frames ? frame_name(a.output, frame) : a.output);
-    if (files.size() > 1) console.keep_frames();
-    a.picture.write(files.back(), image, made_with);
+  PictureFiles files(a.picture, a.output, a.options.frames.has_value(), console);
+  const auto write = [&](std::size_t, const Image& image, const RenderOptions& made_with) {
+    files.write(image, made_with);
   };
-  const FlowPicturesResult made =
-      flow_pictures(flow, a.options, a.contents.read(a.options.picture, console), write, console.progress());
-  console.progress().finish();
+  const PictureContents contents(a.contents, a.options.picture, console.progress());
+  console.note({}, contents.notes());
+  const FlowPicturesResult made = flow_pictures(flow, a.options, contents.surfaces(), write, console.progress());
   console.note(flow.source(), made.notes);
+  console.tell(a.input.told(flow, console.progress()), "input");
+  console.tell(files.written(), "output");
+  console.tell(made);
   say_flow_surface(made.surface, flow, console);
-  console.say(fmt::format("{}: {} × {} pixels", files.size() == 1 ? files[0] : a.output, made.width, made.height));
-  console.say_json({{"input", a.input.json(flow, console.progress())},
-                    {"surface", flow_surface_json(made.surface)},
-                    {"output", {{"files", files}, {"width", made.width}, {"height", made.height}}}});
-  console.print_timings();
+  console.say(fmt::format("{}: {} × {} pixels", files.written().words(), made.width, made.height));
 }
 
 }  // namespace
@@ -68,7 +65,7 @@ Command add_flow_render(CommandLine& flow) {
                        "color_by", "frames", "turn"}});
   add_schema(c, a.options,
              {.group = "Beside the surface", .only = {"volume_array", "preset", "opacity_factor", "iso"}});
-  a.contents.add_options(c);
+  add_schema(c, a.contents);
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});
   add_background_option(c, a.background);
   add_picture_options(c, a.picture);
@@ -80,6 +77,7 @@ Command add_flow_render(CommandLine& flow) {
            "--opacity 0.5\n"
            "  sansmesh flow render eddies.nek5000 --unsteady --seeds 'line(1,1,0, 5,5,0, 200)' -o path.png "
            "--frames 24");
+  c.tells({told<ReadFlow>("input"), told<WrittenPictures>("output"), told<FlowPicturesResult>()});
   return {&c, [shared](Console& console) { run_flow_render(*shared, console); }};
 }
 

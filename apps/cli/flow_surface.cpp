@@ -9,7 +9,6 @@
 #include "commands.h"
 #include "flow_surface_input.h"
 #include "option_groups.h"
-#include "sansmesh/mesh/mesh_size.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -26,19 +25,14 @@ void run_flow_surface(const FlowSurfaceArguments& a, Console& console) {
   const FlowModel flow = a.input.open(console);
   const TraceSurfaceResult made = trace_surface(flow, a.options, console.progress());
   const TriangleMesh& mesh = made.surface.mesh;
-  a.mesh.write(mesh, console.progress());
-  console.progress().finish();
+  a.mesh.write(mesh, console);
   console.note(flow.source(), made.notes);
+  console.tell(a.input.told(flow, console.progress()), "input");
+  console.tell(made);
+
   say_flow_surface(made.surface.report, flow, console);
-  const MeshSize size = measure_size(mesh);
   console.say(fmt::format("{}: {}, {} vertices, area {:.6g}", a.mesh.file, counted(mesh.triangles.size(), "triangle"),
-                          grouped(mesh.vertices.size()), size.area));
-  console.say_json(
-      {{"input", a.input.json(flow, console.progress())},
-       {"surface", flow_surface_json(made.surface.report)},
-       {"area", size.area},
-       {"output", {{"file", a.mesh.file}, {"triangles", mesh.triangles.size()}, {"vertices", mesh.vertices.size()}}}});
-  console.print_timings();
+                          grouped(mesh.vertices.size()), made.area));
 }
 
 }  // namespace
@@ -54,6 +48,7 @@ Command add_flow_surface(CommandLine& flow) {
       "  sansmesh flow surface office.vtk --seeds 'line(0.5,0.5,1, 4,4,1, 200)' -o stream.ply --preview stream.png\n"
       "  sansmesh flow surface eddies.nek5000 --unsteady --seeds 'line(1,1,0, 5,5,0, 200)' -o path.ply\n"
       "  sansmesh flow surface tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.2, 100)' --duration 5 -o tube.ply");
+  c.tells({told<ReadFlow>("input"), told<TraceSurfaceResult>()});
   return {&c, [shared](Console& console) { run_flow_surface(*shared, console); }};
 }
 

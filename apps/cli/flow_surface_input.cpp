@@ -26,9 +26,4 @@ void say_flow_surface(const FlowSurfaceReport& r, const FlowModel& flow, Console
                           counted(r.tears, "tear")));
 }
 
-Json flow_surface_json(const FlowSurfaceReport& r) {
-  return {{"particles", r.particles}, {"inserted", r.inserted}, {"removed", r.removed},  {"tears", r.tears},
-          {"fronts", r.fronts},       {"spacing", r.spacing},   {"complete", r.complete}};
-}
-
 }  // namespace sansmesh::cli

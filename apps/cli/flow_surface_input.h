@@ -2,7 +2,6 @@
 #pragma once
 
 #include "flow_input.h"
-#include "json.h"
 #include "sansmesh/flow.h"
 
 namespace sansmesh::cli {
@@ -11,6 +10,5 @@ namespace sansmesh::cli {
 void add_flow_surface_input(CommandLine& command, FlowInput& input, TraceSurfaceOptions& options);
 
 void say_flow_surface(const FlowSurfaceReport& report, const FlowModel& flow, Console& console);
-Json flow_surface_json(const FlowSurfaceReport& report);
 
 }  // namespace sansmesh::cli

@@ -62,7 +62,20 @@ Json Json::array() {
   return list;
 }
 
-Json& Json::operator[](const char* key) {
+Json Json::object() {
+  Json empty;
+  empty.kind_ = Kind::object;
+  return empty;
+}
+
+Json* Json::at(std::string_view path, bool add) {
+  const std::size_t dot = path.find('.');
+  if (dot == std::string_view::npos) return &(*this)[path];
+  Json& part = (*this)[path.substr(0, dot)];
+  return part.is_null() && !add ? nullptr : part.at(path.substr(dot + 1), add);
+}
+
+Json& Json::operator[](std::string_view key) {
   if (kind_ == Kind::null) kind_ = Kind::object;
   const auto found = std::find(keys_.begin(), keys_.end(), key);
   if (found != keys_.end()) return items_[static_cast<std::size_t>(found - keys_.begin())];

@@ -51,9 +51,13 @@ class Json {
 
   /// An empty array.
   static Json array();
+  static Json object();
 
+  bool is_null() const { return kind_ == Kind::null; }
   /// The field of an object, added if it is not there. Null becomes an object.
-  Json& operator[](const char* key);
+  Json& operator[](std::string_view key);
+  /// The same of objects within objects, "output.file". Null where `add` is false and one of these is null.
+  Json* at(std::string_view path, bool add);
   /// Null becomes an array.
   void push_back(Json value);
 

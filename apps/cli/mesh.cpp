@@ -3,10 +3,12 @@
 
 #include "cloud_input.h"
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
+#include "sansmesh/function/function_file.h"
+#include "sansmesh/function/mesh_function.h"
 #include "sansmesh/functions.h"
-#include "sansmesh/io.h"
-#include "sansmesh/mesh_measures.h"
+#include "sansmesh/jobs/fit_words.h"
 #include "sansmesh/mesh_options.h"
 #include "schema_options.h"
 
@@ -22,36 +24,22 @@ struct MeshArguments {
 void run_mesh(MeshArguments& a, Console& console) {
   a.options.validate();
   a.output.check();
-  Progress& progress = console.progress();
-  progress.begin("read");
+  console.progress().begin("read");
   const SurfaceFunction function = read_function(a.input);
   const auto [mesh, report, notes] =
-      naming(a.input, console, [&] { return mesh_of_function(function, a.options, progress); });
+      naming(a.input, console, [&] { return mesh_of_function(function, a.options, console.progress()); });
   console.note(a.input, notes);
-  a.output.write(mesh, progress);
-  progress.finish();
-
-  const MeshTopology topology = measure_topology(mesh);
+  a.output.write(mesh, console);
   const std::size_t fits = info(function).fits;
+  console.tell(ToldFile{a.input}, "input");
+  console.tell_value("input.fits", fits);
+  console.tell(report);
+
   console.say(fmt::format("{}: {}, {}", a.input, counted(fits, "local fit"), counted(function.samples(), "sample")));
-  console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output.file, counted(mesh.triangles.size(), "triangle"),
-                          grouped(mesh.vertices.size()), counted(topology.components, "component"),
-                          topology.closed() ? ", closed" : ", with borders"));
+  const MeshTopology topology = measure_topology(mesh);
+  say_mesh(a.output.file, mesh, topology.components, topology.closed(), console);
   if (report.simplices > 0) console.say("walked through " + grouped(report.simplices) + " simplices");
-  if (a.options.measure_quality) say_aspect_ratios(report, console);
-  Json json = {{"input", {{"file", a.input}, {"fits", fits}}},
-               {"blocks", report.blocks},
-               {"depth", report.block_depth},
-               {"output",
-                {{"file", a.output.file},
-                 {"vertices", mesh.vertices.size()},
-                 {"triangles", mesh.triangles.size()},
-                 {"components", topology.components},
-                 {"closed", topology.closed()},
-                 {"mesh_error", report.mesh_error}}}};
-  if (report.simplices > 0) json["simplices"] = report.simplices;
-  console.say_json(json);
-  console.print_timings();
+  if (a.options.measure_quality) console.say(aspect_words(report));
 }
 
 }  // namespace
@@ -70,6 +58,8 @@ Command add_mesh(CommandLine& app) {
       "  sansmesh mesh scan.smf -o quick.stl --block-depth 6\n"
       "  sansmesh mesh scan.smf -o part.ply --box 0,0,0,10,10,5\n"
       "  sansmesh mesh scan.smf -o small.glb --triangles 20000 --preview small.png");
+  c.tells({told<ToldFile>("input"), told_value<std::size_t>("input.fits", "Local fits of the function"),
+           told<MeshReport>()});
   return {&c, [a](Console& console) { run_mesh(*a, console); }};
 }
 

@@ -3,54 +3,49 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include "command_line.h"
+
 namespace sansmesh::cli {
 namespace {
 
-std::vector<std::string> words_of_losses(const ReadReport& read, const std::string& output,
-                                         const std::vector<std::string>& lost) {
-  std::vector<std::string> words;
+void warn_of(const std::string& input, const ReadReport& read, const std::string& output,
+             const std::vector<std::string>& lost, Console& console) {
   if (!read.unread.empty())
-    words.push_back(fmt::format("not read, there is no place for it: {}", fmt::join(read.unread, ", ")));
-  if (!lost.empty()) words.push_back(fmt::format("{} has no room for {}: left out", output, fmt::join(lost, ", ")));
-  return words;
+    console.warn(input, {fmt::format("not read, there is no place for it: {}", fmt::join(read.unread, ", "))});
+  if (!lost.empty())
+    console.warn(input, {fmt::format("{} has no room for {}: left out", output, fmt::join(lost, ", "))});
 }
 
 }  // namespace
 
-std::vector<std::string> loss_words(const ReadReport& read, const std::string& output, const TriangleMesh& mesh) {
-  return words_of_losses(read, output, left_out(output, mesh));
+TriangleMesh MeshInput::read(Console& console) {
+  console.progress().begin("read");
+  TriangleMesh mesh = read_mesh(file, &report);
+  console.warn(file, report.warnings);
+  console.tell(ReadMesh{file, mesh.triangles.size()}, "input");
+  return mesh;
 }
 
-std::vector<std::string> loss_words(const ReadReport& read, const std::string& output, const PointSet& points) {
-  return words_of_losses(read, output, left_out(output, points));
+void MeshInput::add_to(CommandLine& c) {
+  c.add_option("input", file, "Mesh").type_name("FILE").required();
+  c.tells({told<ReadMesh>("input")});
 }
 
-Json topology_json(const MeshTopology& t) {
-  return {{"vertices", t.vertices},
-          {"triangles", t.triangles},
-          {"unused_vertices", t.unused_vertices},
-          {"degenerate_triangles", t.degenerate_triangles},
-          {"closed", t.encloses()},
-          {"manifold", t.manifold()},
-          // Faces that share no edge tell nothing of each other.
-          {"oriented", t.edges > t.boundary_edges + t.nonmanifold_edges ? Json(t.oriented()) : Json()},
-          {"boundary_edges", t.boundary_edges},
-          {"boundary_loops", t.boundary_loops},
-          {"open_edges", t.open_edges},
-          {"nonmanifold_edges", t.nonmanifold_edges},
-          {"nonmanifold_vertices", t.nonmanifold_vertices},
-          {"components", t.components},
-          {"largest_component", t.largest_component},
-          {"euler", t.euler},
-          {"genus", t.genus()}};
+void warn_of_losses(const std::string& input, const ReadReport& read, const std::string& output,
+                    const TriangleMesh& mesh, Console& console) {
+  warn_of(input, read, output, left_out(output, mesh), console);
 }
 
-Json output_json(const std::string& file, const TriangleMesh& mesh, const MeshTopology& t) {
-  return {{"file", file},
-          {"vertices", mesh.vertices.size()},
-          {"triangles", mesh.triangles.size()},
-          {"closed", t.encloses()},
-          {"boundary_edges", t.boundary_edges}};
+void warn_of_losses(const std::string& input, const ReadReport& read, const std::string& output, const PointSet& points,
+                    Console& console) {
+  warn_of(input, read, output, left_out(output, points), console);
+}
+
+void say_mesh(const std::string& file, const TriangleMesh& mesh, std::size_t components, bool closed,
+              Console& console) {
+  console.say(fmt::format("{}: {}, {} vertices in {}{}", file, counted(mesh.triangles.size(), "triangle"),
+                          grouped(mesh.vertices.size()), counted(components, "component"),
+                          closed ? ", closed" : ", with borders"));
 }
 
 }  // namespace sansmesh::cli

@@ -1,20 +1,36 @@
-// Words and JSON for the mesh of a file, shared by all commands.
+// Lines about meshes and their files, shared by all commands.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "json.h"
+#include "console.h"
 #include "sansmesh/io.h"
 #include "sansmesh/mesh/topology_words.h"
+#include "told_files.h"
 
 namespace sansmesh::cli {
 
-/// What a mesh or a cloud loses on its way through: what was not read, and what the format of `output` has no room for.
-std::vector<std::string> loss_words(const ReadReport& read, const std::string& output, const TriangleMesh& mesh);
-std::vector<std::string> loss_words(const ReadReport& read, const std::string& output, const PointSet& points);
-Json topology_json(const MeshTopology& topology);
-/// Of a mesh that was written: `file`, `vertices`, `triangles`, `closed`, `boundary_edges`.
-Json output_json(const std::string& file, const TriangleMesh& mesh, const MeshTopology& topology);
+class CommandLine;
+
+/// A mesh that a command reads.
+struct MeshInput {
+  std::string file;
+  ReadReport report;
+
+  /// What there is to say of the file goes to the console, which tells it as `input`. Throws FileError.
+  TriangleMesh read(Console& console);
+  void add_to(CommandLine& command);
+};
+
+/// Warns of what a mesh or a cloud loses on its way through: what was not read, and what the format of `output` has no
+/// room for.
+void warn_of_losses(const std::string& input, const ReadReport& read, const std::string& output,
+                    const TriangleMesh& mesh, Console& console);
+void warn_of_losses(const std::string& input, const ReadReport& read, const std::string& output, const PointSet& points,
+                    Console& console);
+
+/// "a.ply: 1,234 triangles, 620 vertices in 1 component, closed".
+void say_mesh(const std::string& file, const TriangleMesh& mesh, std::size_t components, bool closed, Console& console);
 
 }  // namespace sansmesh::cli

@@ -22,42 +22,30 @@ struct NormalsArguments {
   NormalsOptions options;
 };
 
-void run_normals(const NormalsArguments& arguments, Console& console) {
-  arguments.options.validate();
-  check_writable(arguments.output, "points");
-
+void run_normals(const NormalsArguments& a, Console& console) {
+  a.options.validate();
+  check_writable(a.output, "points");
   Progress& progress = console.progress();
-  progress.begin("read");
   ReadReport read;
-  const std::string name = arguments.input.name();
-  PointSet given = arguments.input.read(console, read);
-  const NormalsResult made =
-      naming(name, console, [&] { return normals(std::move(given), arguments.options, progress); });
+  const std::string name = a.input.name();
+  PointSet given = a.input.read(console, read);
+  const NormalsResult made = naming(name, console, [&] { return normals(std::move(given), a.options, progress); });
+  const NormalsReport& r = made.report;
   console.note(name, made.notes);
   progress.begin("write");
-  write_points(arguments.output, made.points, {.ascii = arguments.ascii});
-  progress.finish();
+  write_points(a.output, made.points, {.ascii = a.ascii});
+  console.tell(a.input.told(read, made.points.size()), "input");
+  console.tell(r);
+  console.tell(ToldFile{a.output}, "output");
 
-  const NormalsReport& r = made.report;
   console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", name, counted(made.points.size(), "point"),
                           length(r.spacing), noise_words(r.noise, r.spacing), read.format));
-  console.say(fmt::format("{}: normals {}{}{}", arguments.output,
+  console.say(fmt::format("{}: normals {}{}{}", a.output,
                           r.neighbours ? fmt::format("from {} neighbours", *r.neighbours) : "of the file",
                           r.oriented_by ? fmt::format(", signs {}", orientation_words(*r.oriented_by))
                                         : std::string(", signs left as they are"),
                           r.unknown > 0 ? fmt::format(", {} unknown (zero)", grouped(r.unknown)) : ""));
   console.say(fmt::format("checked: {}", r.check.words));
-  console.say_json({{"input", arguments.input.json(read, made.points.size())},
-                    {"output", {{"file", arguments.output}}},
-                    {"spacing", r.spacing},
-                    {"noise", r.noise.deviation},
-                    {"neighbours", r.neighbours ? Json(*r.neighbours) : Json()},
-                    {"oriented", r.check.oriented},
-                    {"orientation", json_of_normals(r.check)},
-                    {"noise_known", r.noise.known},
-                    {"oriented_by", r.oriented_by ? Json(orient_by_word(*r.oriented_by)) : Json()},
-                    {"unknown", r.unknown}});
-  console.print_timings();
 }
 
 }  // namespace
@@ -76,6 +64,7 @@ Command add_normals(CommandLine& app) {
            "\n\nExamples:\n"
            "  sansmesh normals scan.xyz -o oriented.ply\n"
            "  sansmesh normals scan.xyz -o oriented.ply --neighbours 30 --orient-by up");
+  c.tells({told<ReadCloud>("input"), told<NormalsReport>(), told<ToldFile>("output")});
   return {&c, [shared](Console& console) { run_normals(*shared, console); }};
 }
 

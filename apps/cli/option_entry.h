@@ -55,9 +55,6 @@ struct OptionEntry {
   /// "--output", or the name of what is told from its place.
   const std::string& name() const { return names.back(); }
   bool is_file() const { return value_name == "FILE" || value_name == "DATA" || value_name == "TETS"; }
-  /// The numbers that it takes: those that were declared, or those that the description states, ", 2..14" at its end,
-  /// before a remark in brackets or before a colon. So help says nothing that does not hold.
-  std::optional<OptionRange> numbers_taken() const;
   /// Endings of the files that fit: the given ones, or those that the description names.
   std::vector<std::string> file_endings() const;
 };

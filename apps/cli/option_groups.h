@@ -40,25 +40,16 @@ struct MeshOutput {
   void check() const;
   /// The picture alone.
   void check_preview() const;
-  /// Throws FileError.
-  void write(const TriangleMesh& mesh, Progress& progress) const;
+  /// Told as `output`. Throws FileError.
+  void write(const TriangleMesh& mesh, Console& console) const;
 };
 /// --output, --preview, --ascii, and those of add_picture_options
 void add_mesh_output(CommandLine& command, MeshOutput& output, bool required = true);
-/// With --quality: what enhancement did to the triangles.
-void say_aspect_ratios(const MeshReport& report, Console& console);
 /// --no-bar, --unit: what `of` says the unit is of.
 void add_bar_options(CommandLine& command, bool& no_bar, std::string& unit, const std::string& of);
 /// What is done to the samples before a fit: --faces, --normals, --orient-by, --align. (--remove-outliers belongs to
 /// the group Surface.)
 void add_cloud_options(CommandLine& command, CloudUse& use);
-/// Where the normals came from, and their signs: "estimated, oriented by flight lines".
-std::string normals_made(bool estimated, const std::optional<OrientBy>& oriented_by);
-/// The same in JSON: an object with `estimated` and `oriented_by`, null for signs of the input.
-Json normals_made_json(bool estimated, const std::optional<OrientBy>& oriented_by);
-/// What became of the blocks of `--fit paper`, in two lines.
-std::vector<std::string> paper_words(const PaperReport& report, const FitsOfDegree& fits);
-Json paper_json(const PaperReport& report);
 /// --fit, --depth, --error, --threshold, --coverage, --support, --degree, --smooth
 void add_fit_options(CommandLine& command, FitOptions& options);
 /// --components, --trim, --quality, --mesh-error, --triangles, …

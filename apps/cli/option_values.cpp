@@ -89,7 +89,7 @@ void check_value(const OptionEntry& o, const std::string& word) {
   const double value = parse_real(word);
   if (o.kind == OptionEntry::Kind::whole && (std::isinf(value) || std::floor(value) != value))
     throw ValueError(in_quotes(word) + " is not a whole number");
-  const auto taken = o.numbers_taken();
+  const std::optional<OptionRange>& taken = o.range;
   if (!taken || taken->holds(value)) return;
   const bool closed = !taken->above && !taken->below && std::isfinite(taken->most);
   throw ValueError(fmt::format("must {} {}, not {}", closed ? "lie in" : "be", taken->words(), word));

@@ -2,10 +2,9 @@
 
 #include <fmt/core.h>
 
-#include <filesystem>
-
 #include "help_levels.h"
 #include "sansmesh/io.h"
+#include "sansmesh/jobs/frame_names.h"
 #include "schema_options.h"
 #include "standard_streams.h"
 
@@ -17,6 +16,14 @@ Image PictureArguments::write(const std::string& file, const Image& image, const
   return written;
 }
 
+void PictureFiles::write(const Image& image, const RenderOptions& made_with) {
+  written_.files.push_back(several_ ? frame_name(output_, written_.files.size()) : output_);
+  if (written_.files.size() > 1) console_.keep_frames();
+  console_.progress().begin("write");
+  const Image part = arguments_.write(written_.files.back(), image, made_with);
+  written_.width = part.width, written_.height = part.height;
+}
+
 void set_background(RenderOptions& o, const std::string& word) {
   using Background = PictureLook::Background;
   if (word == "transparent") o.look.background = Background::transparent;
@@ -24,14 +31,6 @@ void set_background(RenderOptions& o, const std::string& word) {
     o.look.background = Background::solid;
     o.look.background_color = word == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
   }
-}
-
-std::string frame_name(const std::string& output, std::size_t frame, int digits) {
-  check_holds_several(output);
-  const std::filesystem::path path(output);
-  return (path.parent_path() /
-          fmt::format("{}_{:0{}}{}", path.stem().string(), frame, digits, path.extension().string()))
-      .string();
 }
 
 void add_background_option(CommandLine& c, std::string& word, const std::string& usual) {

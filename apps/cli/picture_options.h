@@ -2,10 +2,13 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
 #include "command_line.h"
+#include "console.h"
 #include "sansmesh/image.h"
 #include "sansmesh/render_options.h"
+#include "told_files.h"
 
 namespace sansmesh::cli {
 
@@ -27,12 +30,27 @@ struct PictureArguments {
   /// Writes that part and returns it. Throws FileError as well.
   Image write(const std::string& file, const Image& image, const RenderOptions& made_with) const;
 };
+/// Pictures that a command writes: one, or the frames of a motion, which stay there if a later one fails.
+class PictureFiles {
+ public:
+  PictureFiles(const PictureArguments& arguments, std::string output, bool several, Console& console)
+      : arguments_(arguments), output_(std::move(output)), several_(several), console_(console) {}
+  /// The next one, of which the part is written that was asked for.
+  void write(const Image& image, const RenderOptions& made_with);
+  const WrittenPictures& written() const { return written_; }
+
+ private:
+  const PictureArguments& arguments_;
+  std::string output_;
+  bool several_;
+  Console& console_;
+  WrittenPictures written_;
+};
+
 /// gradient, white, black or transparent, as --background has it.
 void set_background(RenderOptions& options, const std::string& word);
 /// --background
 void add_background_option(CommandLine& command, std::string& word, const std::string& usual = "gradient");
-/// The file of a frame: NAME_007.png of NAME.png.
-std::string frame_name(const std::string& output, std::size_t frame, int digits = 3);
 /// --width, --height, --view, --azimuth, --elevation, --z-up, --field-of-view, --orthographic, --scale-bar, --look-at,
 /// --zoom, --look-radius, --clip-box, --crop
 void add_picture_options(CommandLine& command, PictureArguments& arguments);

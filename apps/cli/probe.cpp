@@ -5,6 +5,7 @@
 
 #include "cloud_input.h"
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
@@ -52,33 +53,21 @@ void run_probe(const ProbeArguments& a, Console& console) {
     made.add_to(points.attributes);
     write_points(a.output, points, {.ascii = a.ascii});
   }
-  progress.finish();
-
   const ProbeFunctionReport& r = made.report;
-  const std::size_t n = places.size();
-  console.say(fmt::format("{}: {} evaluated, {} inside", a.input, counted(n, "point"), grouped(r.inside)));
-  if (n > kPrintedPoints)
+  console.tell(ToldFile{a.input}, "input");
+  console.tell(r);
+  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
+
+  console.say(fmt::format("{}: {} evaluated, {} inside", a.input, counted(r.points, "point"), grouped(r.inside)));
+  if (r.points > kPrintedPoints) {
     console.say(fmt::format("|value|: mean {}, median {}, largest {}; largest gradient {:.3f}", length(r.mean),
                             length(r.median), length(r.largest), r.largest_gradient));
-  Json json = {{"input", {{"file", a.input}}},
-               {"points", n},
-               {"inside", r.inside},
-               {"absolute_value", {{"mean", r.mean}, {"median", r.median}, {"max", r.largest}}},
-               {"largest_gradient", r.largest_gradient}};
-  for (std::size_t i = 0; i < n && n <= kPrintedPoints; ++i) {
-    const Vec3& p = places[i];
-    const LevelSetPoint& f = made.values[i];
-    const Vec3& g = f.gradient;
-    console.say(
-        fmt::format("({:.8g}, {:.8g}, {:.8g})  value {:.6g}  gradient ({:.6g}, {:.6g}, {:.6g})  "
-                    "curvatures {:.4g}, {:.4g}",
-                    p.x, p.y, p.z, f.value, g.x, g.y, g.z, f.k1, f.k2));
-    json["values"].push_back(
-        {{"at", {p.x, p.y, p.z}}, {"value", f.value}, {"gradient", {g.x, g.y, g.z}}, {"k1", f.k1}, {"k2", f.k2}});
+    return;
   }
-  if (!a.output.empty()) json["output"] = {{"file", a.output}};
-  console.say_json(json);
-  console.print_timings();
+  console.tell(made.values, "values");
+  for (const ProbedPlace& v : made.values)
+    console.say(fmt::format("({:.8g}, {:.8g}, {:.8g})  value {:.6g}  gradient {}  curvatures {:.4g}, {:.4g}", v.at.x,
+                            v.at.y, v.at.z, v.value, place_words(v.gradient), v.k1, v.k2));
 }
 
 }  // namespace
@@ -102,6 +91,8 @@ Command add_probe(CommandLine& app) {
       "  sansmesh probe scan.smf --at 0.1,0.2,0.3\n"
       "  sansmesh probe scan.smf --at 0,0,0 --at 0,0,1 --json\n"
       "  sansmesh probe scan.smf --points probes.xyz -o values.csv");
+  c.tells({told<ToldFile>("input"), told<ProbeFunctionReport>(), told<ToldFile>("output"),
+           told_list<ProbedPlace>("values")});
   return {&c, [a](Console& console) { run_probe(*a, console); }};
 }
 

@@ -28,7 +28,6 @@ void run_project(const ProjectArguments& a, Console& console) {
   options.validate();
   check_writable(a.output, "points");
   Progress& progress = console.progress();
-  progress.begin("read");
   ReadReport read;
   CloudInput input = a.input, samples_of = a.onto;
   const bool itself = samples_of.files.empty();
@@ -43,7 +42,9 @@ void run_project(const ProjectArguments& a, Console& console) {
   console.note(input.name(), made.notes);
   progress.begin("write");
   write_points(a.output, made.points, {.ascii = a.ascii});
-  progress.finish();
+  console.tell(input.told(read, count), "input");
+  console.tell(made.report);
+  console.tell(WrittenPoints{a.output, made.points.size()}, "output");
 
   const SurfaceProjection& r = made.report.moved;
   console.say(fmt::format("{}: {} ({})", input.name(), counted(count, "point"), read.format));
@@ -52,12 +53,6 @@ void run_project(const ProjectArguments& a, Console& console) {
                             length(r.mean_move), length(r.rms_move), length(r.largest_move), grouped(r.left_out)));
   console.say(fmt::format("{}: {} by {}{}", a.output, counted(made.points.size(), "point"), made.report.method,
                           made.points.has_normals() ? ", with normals" : ""));
-  console.say_json({{"input", input.json(read, count)},
-                    {"method", made.report.method},
-                    {"moved", {{"mean", r.mean_move}, {"rms", r.rms_move}, {"largest", r.largest_move}}},
-                    {"left_out", r.left_out},
-                    {"output", {{"file", a.output}, {"points", made.points.size()}}}});
-  console.print_timings();
 }
 
 }  // namespace
@@ -83,6 +78,7 @@ Command add_project(CommandLine& app) {
            "  sansmesh project probes.xyz --onto scan.ply -o feet.ply --method levin\n"
            "  sansmesh project scan.ply -o dense.ply --point-count 1000000\n"
            "  sansmesh project outliers.ply -o even.ply --method lop --point-count 20000");
+  c.tells({told<ReadCloud>("input"), told<ProjectReport>(), told<WrittenPoints>("output")});
   return {&c, [shared](Console& console) { run_project(*shared, console); }};
 }
 

@@ -27,10 +27,16 @@ struct RenderArguments {
   bool as_one = false;
 };
 
-struct WrittenPictures {
-  std::vector<std::string> files;
-  int width = 0, height = 0;
+/// An object as it was drawn, and its files.
+struct ToldObject : ReadFiles {
+  DrawnObject object;
+
+  static const ReportSchema& schema();
 };
+
+constexpr ReportRow kToldObject[] = {reported_base<ReadFiles, ToldObject>(), reported_beside<&ToldObject::object>()};
+constexpr ReportSchema kToldObjectSchema{kToldObject};
+const ReportSchema& ToldObject::schema() { return kToldObjectSchema; }
 
 PictureOptions complete_options(const RenderArguments& a) {
   PictureOptions options = a.options;
@@ -63,9 +69,7 @@ PictureObject open_object(const CloudInput& input, bool with_lines, Console& con
   return object;
 }
 
-void say_surface(const RenderArguments& a, const RenderReport& r, const ReadReport& read, Console& console,
-                 Json& json) {
-  const SurfaceReport& s = *r.surface;
+void say_surface(const RenderArguments& a, const SurfaceReport& s, Console& console) {
   const SurfaceMethod& method = surface_method(s.method);
   console.say(fmt::format("{}: {}, {}, spacing {}, noise {}", a.input.name(), counted(s.samples, "sample"), method.name,
                           length(s.spacing), length(s.noise)));
@@ -75,43 +79,12 @@ void say_surface(const RenderArguments& a, const RenderReport& r, const ReadRepo
         method.uses_option("order")
             ? fmt::format(", order {}, {}", s.order, counted(static_cast<unsigned>(s.iterations), "iteration"))
             : std::string()));
-  json["input"] = a.input.json();
-  json["input"]["format"] = read.format;
-  json["input"]["samples"] = s.samples;
-  json["surface"] = {{"method", method.name},    {"spacing", s.spacing}, {"noise", s.noise},
-                     {"smoothing", s.smoothing}, {"order", s.order},     {"iterations", s.iterations}};
-  if (r.splats) json["splats"] = *r.splats;
-  if (r.rays)
-    json["rays"] = {{"cast", r.rays->rays},
-                    {"hit", r.rays->hits},
-                    {"evaluations", r.rays->hit_evaluations + r.rays->miss_evaluations}};
-  for (const Progress::Timing& t : console.progress().timings())
-    json["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
 }
 
-Json objects_json(const std::vector<DrawnObject>& objects, const std::vector<CloudInput>& inputs) {
-  Json list = Json::array();
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    const DrawnObject& o = objects[i];
-    Json json = inputs[i].json();
-    json["kind"] = object_word(o.kind);
-    json["name"] = o.title;
-    json["color"] = o.color;
-    json["opacity"] = o.opacity;
-    list.push_back(std::move(json));
-  }
-  return list;
-}
-
-void report_pictures(const WrittenPictures& p, const RenderReport& r, Console& console, Json& json) {
+void report_pictures(const WrittenPictures& p, const RenderReport& r, Console& console) {
   const std::string size = fmt::format("{} × {} pixels", p.width, p.height);
-  const std::string of = r.objects.empty() ? size : fmt::format("{}, {}", counted(r.objects.size(), "object"), size);
-  console.say(p.files.size() == 1 ? p.files[0] + ": " + of
-                                  : fmt::format("{} … {}: {} each", p.files.front(), p.files.back(), of));
-  json["output"] = {{"files", p.files}, {"width", p.width}, {"height", p.height}};
-  if (p.files.size() == 1) json["output"]["file"] = p.files[0];
-  console.say_json(json);
-  console.print_timings();
+  console.say(fmt::format("{}: {}{}{}", p.words(), r.objects.empty() ? "" : counted(r.objects.size(), "object") + ", ",
+                          size, p.files.size() == 1 ? "" : " each"));
 }
 
 void run_render(const RenderArguments& a, Console& console) {
@@ -119,28 +92,31 @@ void run_render(const RenderArguments& a, Console& console) {
   a.picture.check_frames(options.frames.has_value());
   check_writable(a.output, "image");
   Progress& progress = console.progress();
-  progress.begin("read");
   ReadReport read;
   const std::vector<CloudInput> inputs = inputs_of(a, options);
   std::vector<PictureObject> objects;
   objects.reserve(inputs.size());
   for (const CloudInput& input : inputs)
     objects.push_back(open_object(input, !options.surface && !options.splats, console, read));
-  WrittenPictures written;
-  const auto write = [&](std::size_t frame, const Image& image, const RenderOptions& made_with) {
-    written.files.push_back(options.frames ? frame_name(a.output, frame) : a.output);
-    if (written.files.size() > 1) console.keep_frames();
-    progress.begin("write");
-    const Image part = a.picture.write(written.files.back(), image, made_with);
-    written.width = part.width, written.height = part.height;
+  PictureFiles files(a.picture, a.output, options.frames.has_value(), console);
+  const auto write = [&](std::size_t, const Image& image, const RenderOptions& made_with) {
+    files.write(image, made_with);
   };
   const RenderResult made = render(std::move(objects), options, write, progress);
-  progress.finish();
+  const RenderReport& r = made.report;
   console.note(a.input.name(), made.notes);
-  Json json;
-  if (made.report.surface) say_surface(a, made.report, read, console, json);
-  if (!made.report.objects.empty()) json["objects"] = objects_json(made.report.objects, inputs);
-  report_pictures(written, made.report, console, json);
+  if (r.surface) {
+    console.tell(a.input.told(), "input");
+    console.tell_value("input.format", read.format);
+    console.tell(r);
+    console.tell_stages();
+    say_surface(a, *r.surface, console);
+  }
+  std::vector<ToldObject> objects_told;
+  for (std::size_t i = 0; i < r.objects.size(); ++i) objects_told.push_back({inputs[i].told(), r.objects[i]});
+  console.tell(objects_told, "objects");
+  console.tell(files.written(), "output");
+  report_pictures(files.written(), r, console);
 }
 
 }  // namespace
@@ -184,6 +160,8 @@ Command add_render(CommandLine& app) {
            "  sansmesh render mesh.ply -o open.png --accessibility\n"
            "  sansmesh render part.xyz -o part.png --surface amls --sharp --color-by mean\n"
            "  sansmesh render scan.ply -o turn.png --surface curvature --frames 72");
+  c.tells({told<ReadFiles>("input"), told_value<std::string>("input.format", "Format of the file"),
+           told<RenderReport>(), told_list<ToldObject>("objects"), told<WrittenPictures>("output")});
   return {&c, [shared](Console& console) { run_render(*shared, console); }};
 }
 

@@ -53,7 +53,7 @@ Json json_of_option(const OptionEntry& option) {
   if (option.row && !option.row->unit.empty()) json["unit"] = option.row->unit;
   if (!option.usual.empty()) json["usual"] = option.usual;
   if (option.row && !option.row->from_data.empty()) json["from_data"] = option.row->from_data;
-  if (const auto range = option.numbers_taken()) json["range"] = json_of_range(*range);
+  if (option.range) json["range"] = json_of_range(*option.range);
   if (!option.words.empty()) json["choices"] = option.words;
   if (option.numbers > 0) json["numbers"] = option.numbers;
   if (option.is_file() && !option.file_endings().empty()) json["endings"] = option.file_endings();
@@ -61,6 +61,7 @@ Json json_of_option(const OptionEntry& option) {
   if (!option.excludes.empty()) json["excludes"] = option.excludes;
   if (!option.old_names.empty()) json["old_names"] = option.old_names;
   if (option.is_file()) json["written"] = writes_file(option);
+  if (option.in_order) json["step"] = true;
   if (option.required) json["required"] = true;
   if (option.repeated || option.several) json["repeated"] = true;
   return json;
@@ -78,7 +79,8 @@ void add_commands_of(const CommandLine& line, Json& list) {
       list.push_back({{"name", command->full_name().substr(line.root().name().size() + 1)},
                       {"text", command->what()},
                       {"common", command->takes_common_options()},
-                      {"options", json_of_options(*command)}});
+                      {"options", json_of_options(*command)},
+                      {"report", json_of_keys(command->told())}});
     add_commands_of(*command, list);
   }
 }
@@ -152,17 +154,16 @@ Command add_schema_command(CommandLine& app) {
   CommandLine& c = app.add_subcommand("schema", "Every command, option, surface and format as JSON, for programs");
   c.without_common_options();
   c.footer(
-      "Each option has `names`, `kind`, `text` and `group`; where they apply `field` (in errors and bindings), "
-      "`value`,\n"
-      "`unit`, `usual` (its value where it is not given), `from_data`, `range`, `choices`, `numbers`, `endings`,\n"
-      "`implied`, `excludes`, `old_names` (understood, and warned of), `written` (of files), `required` and "
-      "`repeated`; `level` is "
-      "basic or advanced. Ends of a range that "
-      "are null are infinite; those of `above`\n"
-      "and `below` are excluded. `surfaces` and `volume_methods` are the methods of --surface and, for volumes, of "
-      "--method, with the fields\n"
-      "that they use; `formats` the\n"
-      "files that are read and written, by ending.\n\n"
+      "Each option has `names`, `kind`, `text`, `group` and `level` (basic or advanced); where they apply `field` (in\n"
+      "errors and bindings), `value`, `unit`, `usual` (its value where it is not given), `from_data`, `range`,\n"
+      "`choices`, `numbers`, `endings`, `written` (of files), `implied`, `excludes`, `step` (done in the order "
+      "given),\n"
+      "`old_names` (understood, and warned of), `required` and `repeated`. Ends of a range that are null are "
+      "infinite;\n"
+      "those of `above` and `below` are excluded. `report` has the keys of --json: `key` (\"places[].radius\" of a\n"
+      "list), `kind`, `text`, `unit`, `choices`, and `optional` where it may be null. `surfaces` and `volume_methods`\n"
+      "are the methods of --surface and, for volumes, of --method, with the fields that they use; `formats` the files\n"
+      "that are read and written, by ending.\n\n"
       "Examples:\n"
       "  sansmesh schema > schema.json");
   return {&c, [&app](Console&) {

@@ -111,7 +111,8 @@ void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool val
   entry.group = how.group;
   entry.row = &row;
   // The two flags of a pair exclude each other.
-  if (value && row.optional) entry.excludes = flag_of_name(negative);
+  entry.in_order = row.step;
+  if (value && row.optional && !row.step) entry.excludes = flag_of_name(negative);
   // A flag that is on by itself has one that turns it off and no other: the old name is that one's.
   if (value != usual && !row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
   entry.field = value ? std::string(row.name) : std::string(row.name) + " = false";
@@ -120,6 +121,7 @@ void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool val
 
 void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOptions& how) {
   const OptionValue now = option_value(row, owner);
+  if (row.step && row.kind == OptionKind::flag) return add_flag_of_row(c, row, owner, true, false, how);
   if (row.kind == OptionKind::flag) {
     const bool* const value = std::get_if<bool>(&now);
     const bool usual = value && *value;
@@ -138,7 +140,8 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   entry.words.assign(row.choices.begin(), row.choices.end());
   if (row.kind == OptionKind::numbers) entry.numbers = row.count, entry.several = row.count == 0;
   // A list may be given in several parts.
-  entry.repeated = row.kind == OptionKind::texts || entry.several;
+  entry.repeated = row.kind == OptionKind::texts || entry.several || row.step;
+  entry.in_order = row.step;
   if (row.may_stand_alone()) entry.implied = std::string(row.implied);
   entry.next_words.assign(row.usual_words.begin(), row.usual_words.end());
   if (!row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));

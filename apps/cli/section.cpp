@@ -3,11 +3,13 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
@@ -45,35 +47,16 @@ void run_section(const SectionArguments& a, Console& console) {
     progress.begin("write");
     write_text(a.output, a.output.ends_with(".svg") ? section_svg(sections, {.unit = a.unit}) : section_csv(sections));
   }
-  progress.finish();
+  console.tell(opened.told, "input");
+  console.tell(made);
+  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
 
-  Json json = {{"input", opened.json}, {"planes", Json::array()}};
-  for (std::size_t i = 0; i < sections.size(); ++i) {
-    const Section& s = sections[i];
-    std::size_t open = 0, vertices = 0;
-    for (const SectionCurve& c : s.curves) open += !c.closed, vertices += c.points.size();
-    json["planes"].push_back({{"equation", equation(s.plane)},
-                              {"normal", {s.plane.normal.x, s.plane.normal.y, s.plane.normal.z}},
-                              {"offset", s.plane.offset},
-                              {"curves", s.curves.size()},
-                              {"open_curves", open},
-                              {"vertices", vertices},
-                              {"length", s.length},
-                              {"area", s.area}});
-    if (i < kPrintedPlanes)
-      console.say(fmt::format("{:<20} length {:<11.6g} area {:<11.6g} {}{}", equation(s.plane), s.length, s.area,
-                              s.curves.empty() ? "nothing there" : counted(s.curves.size(), "curve"),
-                              open > 0 ? fmt::format(" ({} open)", grouped(open)) : ""));
-  }
+  for (std::size_t i = 0; i < std::min(kPrintedPlanes, sections.size()); ++i) console.say(section_words(sections[i]));
   if (sections.size() > kPrintedPlanes) console.say(fmt::format("… {}", counted(sections.size(), "plane")));
   console.note(opened.surface.name(), made.notes);
-  if (!a.output.empty()) {
+  if (!a.output.empty())
     console.say(
         fmt::format("{}: {} in {}", a.output, counted(made.report.curves, "curve"), counted(sections.size(), "plane")));
-    json["output"] = {{"file", a.output}};
-  }
-  console.say_json(json);
-  console.print_timings();
 }
 
 }  // namespace
@@ -97,6 +80,7 @@ Command add_section(CommandLine& app) {
       "  sansmesh section part.ply -o part.svg\n"
       "  sansmesh section part.ply --axis z --count 10 -o slices.svg\n"
       "  sansmesh section part.smf --plane z=0.5 --plane 1,1,0,0 -o cuts.csv");
+  c.tells({told<ReadSurface>("input"), told<SectionResult>(), told<ToldFile>("output")});
   return {&c, [a](Console& console) { run_section(*a, console); }};
 }
 

@@ -49,8 +49,4 @@ void name_standard_streams(CommandLine& command) {
   }
 }
 
-void check_holds_several(const std::string& file) {
-  if (file.starts_with(kOut)) throw ArgumentError("standard output holds one file, not several");
-}
-
 }  // namespace sansmesh::cli

@@ -15,7 +15,4 @@ bool writes_file(const OptionEntry& option);
 /// input says what it is, unless the option takes one format only. Throws UsageError where one of both is named twice.
 void name_standard_streams(CommandLine& command);
 
-/// Throws ArgumentError if the file is standard output, which holds no more than one.
-void check_holds_several(const std::string& file);
-
 }  // namespace sansmesh::cli

@@ -1,15 +1,28 @@
 // A surface from a file, whatever says where it is: triangles, points, a function, or a value in a volume.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "cloud_input.h"
 #include "console.h"
 #include "sansmesh/inspect.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::cli {
 
+/// What there is to tell of it.
+struct ReadSurface : ReadFiles {
+  std::string kind;                 ///< in a word
+  std::optional<VolumeUse> volume;  ///< of isosurfaces
+  std::optional<double> value;      ///< of isosurfaces
+
+  static const ReportSchema& schema();
+};
+
 struct SurfaceInput {
   AnySurface surface;
-  Json json;        ///< "file" or "files", and "kind"
+  ReadSurface told;
   ReadReport read;  ///< what the reader said; empty for functions and isosurfaces
 };
 

@@ -32,7 +32,13 @@ void run_volume_fit(const VolumeFitArguments& a, Console& console) {
   const FitVolumeReport& r = made.report;
   console.progress().begin("write");
   write_fit(a.output, made);
-  console.progress().finish();
+  std::vector<std::string> arrays;
+  arrays.reserve(r.arrays.size());
+  for (const std::string& array : r.arrays) arrays.push_back(printable(array));
+  console.tell(a.input.told(volume, console.progress()), "input");
+  console.tell(r);
+  console.tell(ToldFile{a.output}, "output");
+  console.tell_value("output.arrays", arrays);
 
   console.say(method_line(volume));
   console.say(fmt::format("{}: {} ({})", volume.name(), counted(r.samples, "sample"),
@@ -42,13 +48,6 @@ void run_volume_fit(const VolumeFitArguments& a, Console& console) {
   console.note(volume.name(), made.notes);
   console.say(fmt::format("{}: {}, {:.3g} MB", a.output, counted(r.arrays.size(), "array"),
                           static_cast<double>(written_size(a.output)) / 1e6));
-  std::vector<std::string> arrays;
-  arrays.reserve(r.arrays.size());
-  for (const std::string& array : r.arrays) arrays.push_back(printable(array));
-  console.say_json({{"input", json_of_volume(a.input, volume, console.progress())},
-                    {"by_degree", r.by_degree},
-                    {"output", {{"file", a.output}, {"arrays", arrays}, {"samples", r.samples}}}});
-  console.print_timings();
 }
 
 }  // namespace
@@ -67,6 +66,8 @@ Command add_volume_fit(CommandLine& volume) {
       "  sansmesh volume fit fire.vtu --array t -o fire.smv\n"
       "  sansmesh volume probe fire.smv --at 0.5,0.5,0.5\n"
       "  sansmesh info fire.smv");
+  c.tells({told<ReadVolume>("input"), told<FitVolumeReport>(), told<ToldFile>("output"),
+           told_value<std::vector<std::string>>("output.arrays", "Arrays that were written")});
   return {&c, [a](Console& console) { run_volume_fit(*a, console); }};
 }
 

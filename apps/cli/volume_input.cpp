@@ -9,7 +9,11 @@
 
 namespace sansmesh::cli {
 
-Json VolumeInput::json() const { return files.size() == 1 ? Json{{"file", files[0]}} : Json{{"files", files}}; }
+const ReportSchema& ReadVolume::schema() {
+  static constexpr ReportRow rows[] = {reported_base<ReadFiles, ReadVolume>(), reported_beside<&ReadVolume::use>()};
+  static constexpr ReportSchema schema{rows};
+  return schema;
+}
 
 VolumeModel VolumeInput::open(Console& console) const {
   VolumeModel volume = open_volume(files, *this, console.progress());
@@ -44,18 +48,13 @@ std::string method_line(const VolumeModel& volume) {
                      r.why.empty() ? "" : ", since it is " + r.why);
 }
 
-Json json_of_volume(const VolumeInput& input, const VolumeModel& volume, Progress& progress) {
-  const ReconstructionReport& r = volume.report();
-  Json json = input.json();
-  json["format"] = volume.format();
-  json["array"] = volume.choice().array;
-  if (r.options.method) json["method"] = *r.options.method;
-  if (!r.why.empty()) json["why"] = r.why;
+std::string lattice_words(const std::array<std::size_t, 3>& size, double inside) {
+  return fmt::format("{} × {} × {} values, {:.1f} % in the volume", size[0], size[1], size[2], 100 * inside);
+}
+
+std::string samples_line(const VolumeModel& volume, Progress& progress) {
   const auto samples = volume.samples(progress);
-  json["samples"] = samples->size();
-  json["grid"] = samples->facts.grid;
-  json["notes"] = r.notes;
-  return json;
+  return fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid);
 }
 
 bool says_volume(std::vector<std::string>& files) {
@@ -78,8 +77,7 @@ NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console) {
   std::vector<Note> notes;
   NamedIsosurface named{volume.isosurface(name.value, console.progress(), notes), {}};
   console.note(volume.name(), notes);
-  named.json = json_of_volume(input, volume, console.progress());
-  named.json["value"] = name.value;
+  named.use = volume_use(volume, console.progress());
   return named;
 }
 

@@ -1,25 +1,35 @@
 // A volume that a command reads, which of its arrays, and how that becomes a field.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "console.h"
-#include "json.h"
 #include "sansmesh/io/read_volume.h"
 #include "sansmesh/volumes.h"
+#include "told_files.h"
 
 namespace sansmesh::cli {
 
 class CommandLine;
 
+/// What there is to tell of a volume that was used.
+struct ReadVolume : ReadFiles {
+  VolumeUse use;
+
+  static const ReportSchema& schema();
+};
+
 struct VolumeInput : VolumeModelOptions {
   std::vector<std::string> files;  ///< at least one once the command line is read
 
   std::string name() const { return volume_name(files); }
-  /// "file", or "files".
-  Json json() const;
+  ReadFiles told() const { return {files}; }
+  /// The same with what was made of it.
+  ReadVolume told(VolumeModel& volume, Progress& progress) const { return {{files}, volume_use(volume, progress)}; }
   /// Warnings go to the console.
   VolumeModel open(Console& console) const;
 };
@@ -35,8 +45,10 @@ void add_raw_options(CommandLine& command, VolumeReadOptions& options);
 
 /// A line: by which method, and why if nobody chose it.
 std::string method_line(const VolumeModel& volume);
-/// "array", "method", "samples", "grid", …
-Json json_of_volume(const VolumeInput& input, const VolumeModel& volume, Progress& progress);
+/// "128 × 64 × 64 values, 93.1 % in the volume".
+std::string lattice_words(const std::array<std::size_t, 3>& size, double inside);
+/// A line: "fire.vtu: 1,234 samples (unstructured)".
+std::string samples_line(const VolumeModel& volume, Progress& progress);
 
 /// Takes the word `data` away from the front of files that were given to a command of points. Returns true if it was
 /// there: it says that the files are a volume.
@@ -49,7 +61,7 @@ bool names_volume(std::vector<std::string>& files);
 /// A surface in a volume that is named FILE[ARRAY=VALUE].
 struct NamedIsosurface {
   std::shared_ptr<const Isosurface> surface;
-  Json json;
+  VolumeUse use;
 };
 /// Throws FileError, DataError, and ArgumentError as VolumeDataset::choose.
 NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console);

@@ -4,18 +4,17 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <filesystem>
-#include <set>
 #include <string>
 #include <vector>
 
 #include "commands.h"
 #include "flow_input.h"
+#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
+#include "sansmesh/jobs/frame_names.h"
 #include "schema_options.h"
-#include "simulate_frames.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {
@@ -30,16 +29,18 @@ struct IsosurfaceArguments {
   IsosurfaceMomentsOptions moments;
 };
 
-/// Inputs are not to be lost: frames get names that nobody typed.
-void check_frame_names(const VolumeInput& input, const std::string& output, std::size_t frames) {
-  std::error_code ignored;
-  std::set<std::filesystem::path> inputs;
-  for (const std::string& file : input.files) inputs.insert(std::filesystem::weakly_canonical(file, ignored));
-  for (std::size_t k = 0; k < frames; ++k)
-    if (const std::string file = motion_frame_name(output, k);
-        inputs.contains(std::filesystem::weakly_canonical(file, ignored)))
-      throw FileError(file, "is an input, which a result would overwrite");
-}
+/// The mesh of a moment.
+struct WrittenMoment {
+  std::string file;
+  IsosurfaceMoment moment;
+
+  static const ReportSchema& schema();
+};
+
+constexpr ReportRow kWrittenMoment[] = {reported<&WrittenMoment::file>({.text = "File"}),
+                                        reported_beside<&WrittenMoment::moment>()};
+constexpr ReportSchema kWrittenMomentSchema{kWrittenMoment};
+const ReportSchema& WrittenMoment::schema() { return kWrittenMomentSchema; }
 
 void run_moments(const IsosurfaceArguments& a, Console& console) {
   check_moments(a.options, a.moments);
@@ -48,15 +49,23 @@ void run_moments(const IsosurfaceArguments& a, Console& console) {
   Progress& progress = console.progress();
   VolumeSeries series = open_volume_series(a.input.files, a.input, a.times, progress);
   console.note(series.name, series.notes);
-  check_frame_names(a.input, a.output.file, moment_count(series, a.moments));
+  std::vector<std::string> names(moment_count(series, a.moments));
+  for (std::size_t k = 0; k < names.size(); ++k) names[k] = motion_frame_name(a.output.file, k);
+  check_inputs_stay(a.input.files, names);
   const auto write = [&](std::size_t k, const TriangleMesh& mesh) {
     if (k > 0) console.keep_frames();
-    write_mesh(motion_frame_name(a.output.file, k), mesh, {.ascii = a.output.ascii});
+    write_mesh(names[k], mesh, {.ascii = a.output.ascii});
   };
   const IsosurfaceMomentsResult made = isosurface_moments(series, a.options, a.moments, write, progress);
   const IsosurfaceMomentsReport& r = made.report;
-  progress.finish();
   console.note(series.name, made.notes);
+  console.tell(a.input.told(), "input");
+  console.tell(series);
+  console.tell(r);
+  std::vector<WrittenMoment> frames;
+  for (const IsosurfaceMoment& moment : r.moments) frames.push_back({names[frames.size()], moment});
+  console.tell(frames, "frames");
+
   const VolumeModel& first = series.steps[0];
   console.say(method_line(first));
   console.say(fmt::format("{}: {} = {:.6g}{}, {} from {:.6g} to {:.6g}", series.name, first.array_name(), r.value,
@@ -65,28 +74,8 @@ void run_moments(const IsosurfaceArguments& a, Console& console) {
   const auto [least, most] = std::minmax_element(
       r.moments.begin(), r.moments.end(),
       [](const IsosurfaceMoment& x, const IsosurfaceMoment& y) { return x.triangles < y.triangles; });
-  console.say(fmt::format("{} … {}: {} meshes with {} to {} triangles", motion_frame_name(a.output.file, 0),
-                          motion_frame_name(a.output.file, r.moments.size() - 1), grouped(r.moments.size()),
-                          grouped(least->triangles), grouped(most->triangles)));
-  Json frames = Json::array();
-  std::size_t number = 0;
-  for (const IsosurfaceMoment& m : r.moments)
-    frames.push_back({{"file", motion_frame_name(a.output.file, number++)},
-                      {"time", m.time},
-                      {"vertices", m.vertices},
-                      {"triangles", m.triangles},
-                      {"components", m.components},
-                      {"closed", m.closed},
-                      {"area", m.area},
-                      {"volume", m.volume}});
-  console.say_json({{"input", a.input.json()},
-                    {"value", r.value},
-                    {"steps", series.steps.size()},
-                    {"blocks", r.blocks},
-                    {"cell", r.cell},
-                    {"time_cell", r.time_cell},
-                    {"frames", frames}});
-  console.print_timings();
+  console.say(fmt::format("{} … {}: {} meshes with {} to {} triangles", frames.front().file, frames.back().file,
+                          grouped(r.moments.size()), grouped(least->triangles), grouped(most->triangles)));
 }
 
 void run_isosurface(const IsosurfaceArguments& a, Console& console) {
@@ -98,36 +87,20 @@ void run_isosurface(const IsosurfaceArguments& a, Console& console) {
   Progress& progress = console.progress();
   VolumeModel volume = a.input.open(console);
   const VolumeIsosurfaceResult made = isosurface(volume, a.options, progress);
-  const TriangleMesh& mesh = made.mesh;
   const IsosurfaceReport& r = made.report.mesh;
-  const double value = made.report.value;
   console.note(volume.name(), made.notes);
-  a.output.write(mesh, progress);
-  progress.finish();
+  a.output.write(made.mesh, console);
+  console.tell(a.input.told(volume, progress), "input");
+  console.tell(made.report);
 
-  const auto samples = volume.samples(progress);
   console.say(method_line(volume));
-  console.say(fmt::format("{}: {} = {:.6g}{} on {} ({})", volume.name(), volume.array_name(), value,
+  const auto samples = volume.samples(progress);
+  console.say(fmt::format("{}: {} = {:.6g}{} on {} ({})", volume.name(), volume.array_name(), made.report.value,
                           a.options.value ? "" : " (the middle of its range)", counted(samples->size(), "sample"),
                           samples->facts.grid));
-  console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output.file, counted(mesh.triangles.size(), "triangle"),
-                          grouped(mesh.vertices.size()), counted(r.components, "component"),
-                          r.closed ? ", closed" : ", with borders"));
-  console.say(r.volume ? fmt::format("area {:.6g}, volume {:.6g}", r.area, *r.volume)
-                       : fmt::format("area {:.6g} (--closed gives the volume of what is above the value)", r.area));
-  console.say_json({{"input", json_of_volume(a.input, volume, progress)},
-                    {"value", value},
-                    {"blocks", r.blocks},
-                    {"cell", r.cell},
-                    {"area", r.area},
-                    {"volume", r.volume ? Json(*r.volume) : Json()},
-                    {"output",
-                     {{"file", a.output.file},
-                      {"vertices", mesh.vertices.size()},
-                      {"triangles", mesh.triangles.size()},
-                      {"components", r.components},
-                      {"closed", r.closed}}}});
-  console.print_timings();
+  say_mesh(a.output.file, made.mesh, r.components, r.closed, console);
+  console.say(area_words(r.area, r.volume) +
+              (r.volume ? "" : " (--closed gives the volume of what is above the value)"));
 }
 
 }  // namespace
@@ -153,6 +126,8 @@ Command add_volume_isosurface(CommandLine& volume) {
            "  sansmesh volume isosurface disk_out_ref.vtu --array Temp --value 600 -o hot.vtp\n"
            "  sansmesh volume isosurface flame_*.vti --unsteady --value 900 --frames 100 -o flame.ply\n"
            "  sansmesh section 'disk_out_ref.vtu[Temp=600]' --axis z -o cut.svg");
+  c.tells({told<ReadVolume>("input"), told<VolumeIsosurfaceReport>(), told<ReadFiles>("input"), told<VolumeSeries>(),
+           told<IsosurfaceMomentsReport>(), told_list<WrittenMoment>("frames")});
   return {&c, [a](Console& console) { run_isosurface(*a, console); }};
 }
 

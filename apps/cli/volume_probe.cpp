@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
@@ -41,35 +42,22 @@ void run_probe(const ProbeArguments& a, Console& console) {
     console.progress().begin("write");
     write_text(a.output, probe_table(p));
   }
-  console.progress().finish();
+  const std::size_t n = x.size();
+  console.tell(a.input.told(volume, console.progress()), "input");
+  console.tell_value("points", n);
+  console.tell(p.report);
+  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
 
-  const std::size_t n = x.size(), components = p.names.size();
   console.say(method_line(volume));
   console.say(fmt::format("{}: {}, {} in the volume", volume.name(), counted(n, "point"), grouped(p.report.inside)));
-  Json json = {
-      {"input", json_of_volume(a.input, volume, console.progress())}, {"points", n}, {"inside", p.report.inside}};
   if (n <= kPrintedProbes) {
-    json["values"] = Json::array();
-    for (std::size_t k = 0; k < n * components; ++k) {
-      const Vec3& at = p.points[k / components];
-      const std::string& name = p.names[k % components];
-      const Vec3& g = p.gradients[k];
-      const bool inside = p.inside[k / components] != 0;
-      console.say(fmt::format("({:.8g}, {:.8g}, {:.8g})  {} {:.8g}  gradient ({:.6g}, {:.6g}, {:.6g}){}", at.x, at.y,
-                              at.z, name, p.values[k], g.x, g.y, g.z, inside ? "" : "  outside"));
-      json["values"].push_back({{"at", {at.x, at.y, at.z}},
-                                {"name", name},
-                                {"value", p.values[k]},
-                                {"gradient", {g.x, g.y, g.z}},
-                                {"inside", inside}});
-    }
+    const std::vector<ProbedValue> values = probed_values(p);
+    console.tell(values, "values");
+    for (const ProbedValue& v : values)
+      console.say(fmt::format("({:.8g}, {:.8g}, {:.8g})  {} {:.8g}  gradient {}{}", v.at.x, v.at.y, v.at.z, v.name,
+                              v.value, place_words(v.gradient), v.inside ? "" : "  outside"));
   }
-  if (!a.output.empty()) {
-    console.say(fmt::format("{}: {}", a.output, counted(n, "row")));
-    json["output"] = {{"file", a.output}};
-  }
-  console.say_json(json);
-  console.print_timings();
+  if (!a.output.empty()) console.say(fmt::format("{}: {}", a.output, counted(n, "row")));
 }
 
 }  // namespace
@@ -87,6 +75,8 @@ Command add_volume_probe(CommandLine& volume) {
            "boundary.\n\nExamples:\n"
            "  sansmesh volume probe fire.vtu --array t --at 0.5,0.5,0.5\n"
            "  sansmesh volume probe post.bin --points where.csv --array Density -o density.csv");
+  c.tells({told<ReadVolume>("input"), told_value<std::size_t>("points", "Points that were asked for"),
+           told<ProbeReport>(), told<ToldFile>("output"), told_list<ProbedValue>("values")});
   return {&c, [a](Console& console) { run_probe(*a, console); }};
 }
 

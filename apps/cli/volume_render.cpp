@@ -8,9 +8,9 @@
 
 #include "commands.h"
 #include "option_groups.h"
-#include "picture_contents.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
+#include "sansmesh/jobs/picture_contents.h"
 #include "sansmesh/volume_look.h"
 #include "sansmesh/volume_pictures.h"
 #include "sansmesh/volumes.h"
@@ -25,7 +25,7 @@ struct VolumeRenderArguments {
   VolumeInput input;
   std::string output, save_transfer, background = "gradient";
   VolumeColors colors;
-  PictureContents contents;
+  PictureContentsOptions contents;
   PictureArguments picture;
   VolumePicturesOptions options;
   int frames = 0;
@@ -44,11 +44,6 @@ VolumePicturesOptions VolumeRenderArguments::chosen() const {
   return o;
 }
 
-Json json_of_baked(const BakeReport& r) {
-  return {{"bricks", r.bricks},   {"bytes", r.bytes},           {"finished", r.finished},
-          {"checked", r.checked}, {"error_mean", r.error_mean}, {"error_most", r.error_most}};
-}
-
 void run_volume_render(VolumeRenderArguments& a, Console& console) {
   const VolumePicturesOptions options = a.chosen();
   check_writable(a.output, "image");
@@ -57,43 +52,34 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
   require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
   VolumeModel volume = a.input.open(console);
   Progress& progress = console.progress();
-  VolumePictures pictures(volume, options, a.contents.read(options.look.picture, console), progress);
-  std::vector<std::string> files;
-  Image image;
+  const PictureContents contents(a.contents, options.look.picture, console.progress());
+  console.note({}, contents.notes());
+  VolumePictures pictures(volume, options, contents.surfaces(), progress);
+  PictureFiles files(a.picture, a.output, a.frames > 0, console);
   for (const ViewDirection& view : turntable(pictures.look().picture.view.direction, std::max(1, a.frames))) {
-    files.push_back(a.frames > 0 ? frame_name(a.output, files.size()) : a.output);
-    if (files.size() > 1) console.keep_frames();
     RenderOptions made_with = pictures.look().picture;
     made_with.view.direction = view;
-    image = a.picture.write(files.back(), pictures.render(view, progress), made_with);
+    files.write(pictures.render(view, progress), made_with);
   }
-  progress.finish();
   console.note(volume.name(), pictures.notes());
-
   const VolumePictureReport& r = pictures.report();
-  const auto samples = volume.samples(progress);
-  console.say(method_line(volume));
-  console.say(fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid));
-  const auto [lower, upper] = r.transfer.range();
-  console.say(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.size() == 1 ? files[0] : a.output, lower, upper,
-                          r.why.empty() ? "" : "; " + r.why));
   const BakeReport* const baked = pictures.baked();
+  if (!a.save_transfer.empty()) write_text(a.save_transfer, transfer_function_json(r.transfer));
+  console.tell(a.input.told(volume, progress), "input");
+  console.tell(r);
+  console.tell(files.written(), "output");
+  if (baked) console.tell(*baked, "baked");
+
+  console.say(method_line(volume));
+  console.say(samples_line(volume, progress));
+  const auto [lower, upper] = r.transfer.range();
+  console.say(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.written().words(), lower, upper,
+                          r.why.empty() ? "" : "; " + r.why));
   if (baked)
     console.say(fmt::format(
         "baked into {}, off by {:.3g} % of the range on average, {:.3g} % at the worst of the places checked{}",
         counted(baked->bricks, "brick"), 100 * baked->error_mean, 100 * baked->error_most,
         baked->finished ? "" : "; there was no memory for more"));
-  if (!a.save_transfer.empty()) write_text(a.save_transfer, transfer_function_json(r.transfer));
-  Json json = {{"input", json_of_volume(a.input, volume, progress)},
-               {"colors", {{"lower", lower}, {"upper", upper}}},
-               {"why", r.why},
-               {"rays", r.rays},
-               {"evaluations", r.evaluations},
-               {"notes", r.notes},
-               {"output", {{"files", files}, {"width", image.width}, {"height", image.height}}}};
-  if (baked) json["baked"] = json_of_baked(*baked);
-  console.say_json(json);
-  console.print_timings();
 }
 
 }  // namespace
@@ -107,7 +93,7 @@ Command add_volume_render(CommandLine& volume) {
   a.colors.add_options(c, "Options");
   c.add_option("--save-transfer", a.save_transfer, "Also writes what was used, to be changed and given to --transfer")
       .type_name("FILE");
-  a.contents.add_options(c);
+  add_schema(c, a.contents);
   add_schema(c, a.options, {.without = {"preset", "opacity_factor", "iso", "bar", "label", "unit", "title"}});
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});
   c.add_option_function(
@@ -126,6 +112,8 @@ Command add_volume_render(CommandLine& volume) {
            "  sansmesh volume render head.mhd -o head.png --preset ct-bone\n"
            "  sansmesh volume render bluntfinxyz.bin --array Density -o fin.png --iso 2.5 --clip 'y>4' --axes\n"
            "  sansmesh volume render fire.vtu --array t --opacity-by mfrac -o fire.png --frames 36");
+  c.tells({told<ReadVolume>("input"), told<VolumePictureReport>(), told<WrittenPictures>("output"),
+           told<BakeReport>("baked")});
   return {&c, [shared](Console& console) { run_volume_render(*shared, console); }};
 }
 

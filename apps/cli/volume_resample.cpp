@@ -31,18 +31,11 @@ void run_resample(const ResampleArguments& a, Console& console) {
   console.note(volume.name(), made.notes);
   console.progress().begin("write");
   write_volume(a.output, made.block);
-  console.progress().finish();
-
-  const auto& axes = made.block.axes;
+  console.tell(a.input.told(volume, console.progress()), "input");
+  console.tell(ToldFile{a.output}, "output");
+  console.tell(made.report);
   console.say(method_line(volume));
-  console.say(fmt::format("{}: {} × {} × {} values, {:.1f} % in the volume", a.output, axes[0].size(), axes[1].size(),
-                          axes[2].size(), 100 * made.report.inside));
-  console.say_json({{"input", json_of_volume(a.input, volume, console.progress())},
-                    {"output",
-                     {{"file", a.output},
-                      {"size", {axes[0].size(), axes[1].size(), axes[2].size()}},
-                      {"inside", made.report.inside}}}});
-  console.print_timings();
+  console.say(a.output + ": " + lattice_words(made.report.size, made.report.inside));
 }
 
 }  // namespace
@@ -62,6 +55,7 @@ Command add_volume_resample(CommandLine& volume) {
            "\n\nExamples:\n"
            "  sansmesh volume resample combustion.vts --array Density --size 256 -o density.vti\n"
            "  sansmesh volume resample amr.vthb --array Fraction --size 128 64 64 --method linear -o fraction.mhd");
+  c.tells({told<ReadVolume>("input"), told<ToldFile>("output"), told<ResampleReport>()});
   return {&c, [a](Console& console) { run_resample(*a, console); }};
 }
 

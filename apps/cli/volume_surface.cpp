@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
@@ -65,7 +66,7 @@ std::optional<ColorBar> bar_of(const VolumeSurfaceArguments& a, const std::optio
 }
 
 void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
-                  Console& console, Json& json) {
+                  Console& console) {
   SurfaceRenderOptions look;
   look.picture = a.picture.chosen();
   set_background(look.picture, a.background);
@@ -74,54 +75,35 @@ void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfac
   std::vector<Note> notes;
   const SurfaceInVolumePictures pictures(surface, volume, a.look, console.progress(), notes);
   console.note(volume.name(), notes);
-  if (const auto& shown = pictures.colors(); shown && !shown->curvature) {
-    const auto [lower, upper] = shown->colors.range();
-    json["colors"] = {{"array", a.look.color_by}, {"lower", lower}, {"upper", upper}};
-  }
+  if (const auto& shown = pictures.colors(); shown && !shown->curvature) console.tell(*shown, "colors");
   const std::optional<ColorBar> bar = bar_of(a, pictures.colors());
   leave_room(look.picture, bar);
-  std::vector<std::string> files;
-  Image written;
+  PictureFiles files(a.picture, a.output, a.frames > 0, console);
   for (const ViewDirection& view : turntable(look.picture.view.direction, std::max(1, a.frames))) {
     look.picture.view.direction = view;
-    files.push_back(a.frames > 0 ? frame_name(a.output, files.size()) : a.output);
-    if (files.size() > 1) console.keep_frames();
-    written = a.picture.write(files.back(), beside_bar(pictures.render(look, console.progress()), bar, look.picture),
-                              look.picture);
+    files.write(beside_bar(pictures.render(look, console.progress()), bar, look.picture), look.picture);
   }
-  const CastCounts counts = pictures.counts();
-  json["rays"] = {
-      {"cast", counts.rays}, {"hit", counts.hits}, {"evaluations", counts.hit_evaluations + counts.miss_evaluations}};
-  json["output"] = {{"files", files}, {"width", written.width}, {"height", written.height}};
-  console.say(
-      fmt::format("{}: {} × {} pixels", files.size() == 1 ? files[0] : a.output, written.width, written.height));
+  const WrittenPictures& written = files.written();
+  console.tell(pictures.counts(), "rays");
+  console.tell(written, "output");
+  console.say(fmt::format("{}: {} × {} pixels", written.words(), written.width, written.height));
 }
 
 void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
-                   Console& console, Json& json) {
+                   Console& console) {
   const MeshInVolume made = mesh_of_surface(surface, a.meshing, console.progress());
-  const TriangleMesh& mesh = made.mesh;
   const MeshInVolumeReport& r = made.report;
-  const auto components = static_cast<std::size_t>(r.mesh.components);
   console.note(volume.name(), made.notes);
   console.progress().begin("write");
-  write_mesh(a.output, mesh, {.ascii = a.ascii});
-  console.say(fmt::format("{}: {}, {} vertices in {}{}", a.output, counted(mesh.triangles.size(), "triangle"),
-                          grouped(mesh.vertices.size()), counted(components, "component"),
-                          r.volume ? ", closed" : ", with borders"));
-  console.say(r.volume ? fmt::format("area {:.6g}, volume {:.6g}", r.area, *r.volume)
-                       : fmt::format("area {:.6g}", r.area));
-  json["area"] = r.area;
-  json["volume"] = r.volume ? Json(*r.volume) : Json();
-  json["output"] = {{"file", a.output},
-                    {"vertices", mesh.vertices.size()},
-                    {"triangles", mesh.triangles.size()},
-                    {"components", components},
-                    {"closed", r.volume.has_value()}};
+  write_mesh(a.output, made.mesh, {.ascii = a.ascii});
+  console.tell(WrittenMesh(a.output, made.mesh), "output");
+  console.tell(r);
+  say_mesh(a.output, made.mesh, static_cast<std::size_t>(r.mesh.components), r.volume.has_value(), console);
+  console.say(area_words(r.area, r.volume));
 }
 
-void say_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& s, const VolumeModel& volume, Console& console,
-                 Json& json) {
+void say_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& s, const VolumeModel& volume,
+                 Console& console) {
   const VolumeSurfaceReport& r = s.report;
   const auto samples = volume.samples(console.progress());
   const bool steep = a.options.surface.kind == VolumeSurfaceOptions::Kind::high_gradient;
@@ -135,15 +117,6 @@ void say_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& s, cons
       "spacing {}, weights {:.2f} spacings wide{}", length(r.spacing), r.smoothing,
       r.noise_distance > 0 ? fmt::format(", noise moves the surface by {}", length(r.noise_distance)) : std::string()));
   console.note(volume.name(), s.notes);
-  json["surface"] = {{"kind", steep ? "high-gradient" : "isovalue"},
-                     {"samples", r.samples},
-                     {"spacing", r.spacing},
-                     {"smoothing", r.smoothing},
-                     {"slope", r.slope},
-                     {"noise", r.noise},
-                     {"beta", r.beta ? Json(*r.beta) : Json()},
-                     {"least_gradient", r.least_gradient}};
-  if (!steep) json["value"] = s.value;
 }
 
 void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
@@ -153,22 +126,19 @@ void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
   if (!a.look.color_by.empty() && !a.look.curvature()) volume.scalar_choice(a.look.color_by, "color_by");
   const auto made = std::make_shared<const SurfaceInVolume>(surface_in_volume(volume, a.options, progress));
   const SurfaceInVolume& surface = *made;
-  Json json = {{"input", json_of_volume(a.input, volume, progress)}};
-  say_surface(a, surface, volume, console, json);
+  console.tell(a.input.told(volume, progress), "input");
+  console.tell(surface);
+  say_surface(a, surface, volume, console);
   std::optional<PointSet> points;
   if (!a.points.empty()) points = points_of_surface(surface, a.distance, progress);
   if (a.to_picture())
-    draw_surface(a, surface, volume, console, json);
+    draw_surface(a, surface, volume, console);
   else if (!a.output.empty())
-    write_surface(a, surface, volume, console, json);
-  if (points) {
-    write_points(a.points, *points, {});
-    console.say(fmt::format("{}: {}", a.points, counted(points->size(), "point")));
-    json["points"] = {{"file", a.points}, {"points", points->size()}};
-  }
-  progress.finish();
-  console.say_json(json);
-  console.print_timings();
+    write_surface(a, surface, volume, console);
+  if (!points) return;
+  write_points(a.points, *points, {});
+  console.say(fmt::format("{}: {}", a.points, counted(points->size(), "point")));
+  console.tell(WrittenPoints{a.points, points->size()}, "points");
 }
 
 }  // namespace
@@ -202,6 +172,9 @@ Command add_volume_surface(CommandLine& volume) {
            "  sansmesh volume surface head.mhd --value 1150 -o skull.png\n"
            "  sansmesh volume surface engine.nrrd --high-gradient -o engine.ply\n"
            "  sansmesh volume surface fire.vtu --array t --value 1000 --color-by mfrac -o hot.png");
+  c.tells({told<ReadVolume>("input"), told<SurfaceInVolume>(), told<ShownColors>("colors"), told<CastCounts>("rays"),
+           told<WrittenPictures>("output"), told<WrittenMesh>("output"), told<MeshInVolumeReport>(),
+           told<WrittenPoints>("points")});
   return {&c, [shared](Console& console) { run_volume_surface(*shared, console); }};
 }
 

@@ -10,11 +10,12 @@
 #include "sansmesh/note.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
 /// What matters for the choice. Everything but the outliers is told from some hundred places of the cloud.
-struct CloudTraits {
+struct SANSMESH_API CloudTraits {
   std::size_t samples = 0;    ///< that can be used, outliers among them
   double diagonal = 0;        ///< of the box (length, unit of the input)
   double spacing = 0;         ///< edge of the square that one sample stands for (length)
@@ -41,6 +42,8 @@ struct CloudTraits {
 
   /// Noise over spacing; 0 without a spacing.
   double noise_ratio() const { return spacing > 0 ? noise / spacing : 0; }
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Measures the samples: O(n), most of it for the outliers, about 2 µs of CPU per sample, and the openness, up to a
@@ -62,7 +65,7 @@ struct Recommendation {
 };
 
 /// Traits, and what follows from them.
-struct Advice {
+struct SANSMESH_API Advice {
   CloudTraits traits;  ///< that it is made from
   /// What was seen, one line each, in the order of importance.
   std::vector<std::string> findings;
@@ -70,6 +73,8 @@ struct Advice {
   /// and deformation each.
   std::vector<Recommendation> recommendations;
   std::vector<Note> notes;  ///< "preparation": what there is to say of the samples
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Advice from traits: what METHODS §8 and docs/methods/which-method.md say of such traits.

@@ -10,6 +10,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -98,7 +99,7 @@ struct SANSMESH_API NormalOptions {
 };
 
 /// What can be known of the noise of a cloud (lengths).
-struct NoiseEstimate {
+struct SANSMESH_API NoiseEstimate {
   double deviation = 0;  ///< standard deviation of the samples off the surface
   /// It is no more than this: what the nearest neighbours leave of the samples' heights, shape and noise together.
   double most = 0;
@@ -107,6 +108,8 @@ struct NoiseEstimate {
   bool known = false;
   /// Coordinates come in steps of this height, whole neighbourhoods at the same: depths of a sensor with few digits.
   double step = 0;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// The noise in words: "0.0039", "less than 0.0002", "unknown: 0.02 at most, of shape or noise", "unknown: too few
@@ -143,13 +146,15 @@ struct SANSMESH_API OrientationReport {
 };
 
 /// What is found of the normals that a cloud has.
-struct GivenNormals {
+struct SANSMESH_API GivenNormals {
   bool oriented = false;     ///< surely, be it inward
   std::string words;         ///< "none", "oriented outward", "not oriented consistently: …"
   OrientationReport report;  ///< by how neighbours agree and where closed parts look
   /// The sensor that all but a few look to, where one is known: it outweighs what neighbours say.
   std::optional<OrientBy> oriented_by = {};
   double looking_away = 0;  ///< share (0..1) of the normals that looks away from that sensor
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -16,9 +17,17 @@
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
+
+/// Rotations and scalings after this leave a place where it is, unless they have one of their own: "about".
+struct SANSMESH_API AboutStep {
+  std::optional<Vec3> place = {};       ///< default: 0
+  bool center = false;                  ///< instead: the middle of the box as it then is
+  static const OptionSchema& schema();  ///< a row a field
+};
 
 /// Moves everything by a map or its inverse: "transform", "inverse_transform".
 struct SANSMESH_API TransformStep {
@@ -73,7 +82,7 @@ struct SANSMESH_API UpStep {
 /// Converts from one unit of length to another; both are one of um, mm, cm, m, km, in, ft and us-ft:
 /// "to_unit".
 struct SANSMESH_API UnitStep {
-  std::string from = "m";               ///< unit of the data as it comes
+  std::string from = {};                ///< unit of the data as it comes; default: ConvertOptions::unit
   std::string to = "m";                 ///< unit of the data afterwards
   static const OptionSchema& schema();  ///< a row a field
 };
@@ -124,8 +133,12 @@ struct SANSMESH_API FlipStep {
 };
 
 /// One step of a conversion.
-using ConvertStep = std::variant<TransformStep, TranslateStep, CenterStep, RotateStep, ScaleStep, AxesStep, UpStep,
-                                 UnitStep, CropStep, SpacingStep, CountStep, EveryStep, ChooseStep, WeldStep, FlipStep>;
+using ConvertStep =
+    std::variant<AboutStep, TransformStep, TranslateStep, CenterStep, RotateStep, ScaleStep, AxesStep, UpStep, UnitStep,
+                 CropStep, SpacingStep, CountStep, EveryStep, ChooseStep, WeldStep, FlipStep>;
+
+/// All steps that there are, as the options of a list of steps.
+SANSMESH_API std::span<const OptionRow> convert_step_rows();
 
 /// Name of a step, as it stands behind the kind above: "outside_box".
 SANSMESH_API std::string_view step_name(const ConvertStep& step);
@@ -166,6 +179,8 @@ struct SANSMESH_API CloudOrMesh {
   Box3 bounds() const;
   /// Of the points or vertices.
   const AttributeTable& attributes() const { return is_mesh ? mesh.attributes : points.attributes; }
+  /// ", with normals, colours, intensity and 3 more": what there is but for what is lost.
+  std::string belongings(const std::vector<std::string>& lost) const;
   /// Drops the triangles of a mesh: its vertices become the points.
   void make_points();
 };
@@ -173,28 +188,32 @@ struct SANSMESH_API CloudOrMesh {
 /// Steps of a conversion.
 struct SANSMESH_API ConvertOptions {
   bool vertices_only = false;           ///< of a mesh the vertices alone, from the start
+  std::string unit = {};                ///< of the input's lengths, for UnitStep
   std::vector<ConvertStep> steps = {};  ///< in their order
 
-  /// Without the steps, which have schemas of their own.
   static const OptionSchema& schema();  ///< a row a field
   /// Throws ArgumentError.
   void validate() const;
 };
 
 /// What there was after a step.
-struct ConvertedBy {
+struct SANSMESH_API ConvertedBy {
   std::string_view step;                 ///< its name
   std::string remark;                    ///< what became of the data, in words; may be empty
   std::size_t size = 0;                  ///< points or vertices
   std::optional<std::size_t> triangles;  ///< of a mesh
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Numbers of a run of convert().
-struct ConvertReport {
+struct SANSMESH_API ConvertReport {
   std::string size_words;          ///< of what came: "1,234 points"
   std::size_t size = 0;            ///< points or vertices of what came
   std::size_t triangles = 0;       ///< of what came; 0 of a cloud
   std::vector<ConvertedBy> steps;  ///< after each of them
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Converted cloud or mesh.
@@ -205,6 +224,12 @@ struct ConvertResult {
   /// nobody knows to be directions.
   std::vector<Note> notes;
 };
+
+/// Throws FileError early where neither a mesh nor points can be written there. `points`: these are wanted.
+SANSMESH_API void check_converted(const std::string& file, bool points);
+/// Meshes become points where the format of the file has no faces: "no_faces". Points never become a mesh: throws
+/// FileError.
+SANSMESH_API std::vector<Note> fit_to_format(CloudOrMesh& data, const std::string& file);
 
 /// Takes what a file held through all steps, in their order. Throws ArgumentError for bad options, DataError naming the
 /// step where one cannot be done or leaves nothing,
@@ -224,13 +249,15 @@ struct SANSMESH_API SplitOptions {
 };
 
 /// Connected parts of a cloud or mesh.
-struct SplitResult {
+struct SANSMESH_API SplitResult {
   std::vector<CloudOrMesh> parts;  ///< the largest first
   std::size_t found = 0;           ///< parts, those that were left out included
   std::optional<double> distance;  ///< of clouds: `split_distance` as used (length)
   /// "small_parts": parts that were left out; "soup": hardly any triangles share a vertex; "loose_points": vertices of
   /// no triangle were left out.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Takes a cloud or mesh apart into its connected parts. Throws ArgumentError for bad options, DataError where none is

@@ -21,6 +21,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/solid_measures.h"
 #include "sansmesh/solids.h"
@@ -78,6 +79,8 @@ class SANSMESH_API Deformation {
   const MlsDeformationOptions& options() const;
   /// "15 handles, rigid", "by a displacement map"
   std::string words() const;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 
  private:
   struct State;
@@ -178,11 +181,14 @@ struct DeformedPicture {
 /// A cloud, a mesh, sections of a solid, a lattice, or a picture.
 using DeformedPose = std::variant<PointSet, TriangleMesh, std::vector<Section>, GridBlock, DeformedPicture>;
 
+/// Writes a pose; `unit` (mm, cm, in) makes drawings of sections true to scale. Throws FileError.
+SANSMESH_API void write_pose(const std::string& file, const DeformedPose& pose, bool ascii, const std::string& unit);
+
 /// Called once for each pose, in their order.
 using UsePose = std::function<void(int pose, const DeformedPose& deformed)>;
 
 /// What became of what was deformed.
-struct DeformReport {
+struct SANSMESH_API DeformReport {
   FoldReport folds;  ///< of the pose that is folded most
   // Of the last pose:
   std::size_t vertices = 0;            ///< or points
@@ -191,7 +197,7 @@ struct DeformReport {
   bool fine = true;                    ///< false: there were too many triangles to cut all edges that bend
   std::size_t undefined = 0;           ///< vertices and points where the map is not defined: they stay where they are
   std::size_t turned = 0;              ///< vertices and points at which space is turned inside out
-  OpenMeshReport cut;                  ///< of meshes
+  std::optional<OpenMeshReport> cut;   ///< of meshes with cuts
   bool mesh_of_open = false;           ///< a function whose surface bounds no solid: its mesh was deformed
   std::optional<CsgMeshReport> solid;  ///< of the mesh of a solid
   std::vector<Section> sections;       ///< where they were asked for
@@ -199,6 +205,8 @@ struct DeformReport {
   double inside = 1;                   ///< share of its points that are in the volume
   std::uint64_t rays = 0;              ///< of pictures of volumes
   std::uint64_t evaluations = 0;       ///< of the volume, along these rays
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// What came of a deformation; the poses themselves were handed over.
@@ -221,11 +229,13 @@ SANSMESH_API DeformResult deform(const SolidModel& solid, const Deformation& def
                                  const DeformOptions& options, const UsePose& use, Progress& progress);
 
 /// Quantities of one volume.
-struct DeformableVolume {
+struct SANSMESH_API DeformableVolume {
   std::string name;                                        ///< stands in notes
   std::shared_ptr<const SampledVolume> samples;            ///< where its values are known
   std::vector<std::shared_ptr<const VolumeField>> fields;  ///< one at least; pictures show the first
   std::vector<std::string> arrays;                         ///< their names
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Of a volume the array that it was opened with, for pictures as a scalar, or `all` arrays of the same samples. Throws

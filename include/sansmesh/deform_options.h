@@ -13,6 +13,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/grid_data.h"
 #include "sansmesh/option.h"
+#include "sansmesh/report.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -83,28 +84,34 @@ struct SANSMESH_API MlsDeformationOptions {
 // ---- Reports -----------------------------------------------------------------------------------------------------
 
 /// Neighbouring points of a lattice where the determinant of the map's Jacobian is not above 0.
-struct Fold {
+struct SANSMESH_API Fold {
   Box3 box;          ///< of the cells about its points
   Vec3 center;       ///< mean of its points
   double share = 0;  ///< of the volume looked at
   double least = 0;  ///< determinant
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Where a map of space is folded: several places come from one, inside out in between.
-struct FoldReport {
+struct SANSMESH_API FoldReport {
   double share = 0;         ///< of the volume looked at: where the map is defined, and no gap
   double least = 0;         ///< determinant anywhere; 1 where nothing is known
   std::vector<Fold> folds;  ///< connected ones, the largest first
   GridBlock determinants;   ///< lattice with an array `determinant` (1 float; NaN outside of that volume)
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// A mesh that was opened along cuts.
-struct OpenMeshReport {
+struct SANSMESH_API OpenMeshReport {
   std::size_t edges = 0;     ///< along which the mesh was opened
   std::size_t doubled = 0;   ///< vertices that were added for them
   std::size_t faces = 0;     ///< triangles of cut faces, both sides together
   std::size_t unopened = 0;  ///< triangles that a cut crosses in too complicated a way, after all refinements
   std::size_t unclosed = 0;  ///< cuts that left something open: meshes as cuts, open meshes
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -9,6 +9,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/vec.h"
 
@@ -70,7 +71,7 @@ struct SANSMESH_API FitOptions {
 };
 
 /// How the blocks of FitMethod::paper came to be.
-struct PaperReport {
+struct SANSMESH_API PaperReport {
   std::size_t blocks = 0;      ///< of the tree of fits, all levels
   std::size_t fitted = 0;      ///< leaves with a polynomial of their own samples
   std::size_t borrowed = 0;    ///< leaves with too few samples: a plane of the nearest ones
@@ -80,6 +81,8 @@ struct PaperReport {
   std::size_t kept = 0;        ///< with fewer than 100 samples: not subdivided since the children are worse
   std::size_t above = 0;       ///< leaves whose error is above the threshold, or with two sheets
   std::size_t balanced = 0;    ///< leaves that only balance subdivides: the mesh's blocks have their function
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Gradients of functions that fit their samples are shorter than this, but for one in a thousand: longer ones come

@@ -15,6 +15,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/polyline_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/vector_field.h"
 #include "sansmesh/volume_options.h"
 #include "sansmesh/volumes.h"
@@ -140,11 +141,14 @@ struct SANSMESH_API TraceSurfaceOptions {
 };
 
 /// A surface of a flow.
-struct TraceSurfaceResult {
+struct SANSMESH_API TraceSurfaceResult {
   FlowSurface surface;  ///< with its report
+  double area = 0;      ///< of its mesh (length²)
   /// "not_finite": of seeds; "steps": of a series; "moments_meet", "too_many": what ended the surface before its end;
   /// "outside": particles that began out of the flow.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Stream, path, streak and time surfaces from a seed curve; the same bytes for any number of threads. Throws

@@ -15,6 +15,7 @@
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/option.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vec.h"
 #include "sansmesh/vector_field.h"
@@ -42,6 +43,9 @@ enum class TraceEnd : std::uint8_t {
   steps,           ///< more steps than `most_steps`
   outside          ///< it began where there is no field
 };
+/// Words for them, in the order of the enumerators.
+inline constexpr std::string_view kTraceEndWords[] = {"time",           "length", "boundary",
+                                                      "critical_point", "steps",  "outside"};
 
 /// How particles are followed.
 struct SANSMESH_API TraceOptions {
@@ -97,10 +101,12 @@ struct SANSMESH_API FlowLineOptions {
 };
 
 /// Lines in numbers.
-struct FlowLineReport {
+struct SANSMESH_API FlowLineReport {
   std::size_t seeds = 0, outside = 0;  ///< all, and those that lie out of the flow
   std::array<std::size_t, 6> ends{};   ///< of path lines, by TraceEnd
   double longest = 0;                  ///< length
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 // ---- Surfaces ----------------------------------------------------------------------------------------------------
@@ -167,7 +173,7 @@ struct FlowPoint {
 };
 
 /// A surface in numbers.
-struct FlowSurfaceReport {
+struct SANSMESH_API FlowSurfaceReport {
   std::size_t particles = 0;          ///< that were followed, seeds included
   std::size_t inserted = 0;           ///< between others
   std::size_t removed = 0;            ///< between others that were near
@@ -177,6 +183,8 @@ struct FlowSurfaceReport {
   bool complete = true;               ///< false: `most_points`, `most_fronts` or `moments_meet` ended it
   bool moments_meet = false;          ///< fronts were so near in time that their moments are the same number
   double spacing = 0;                 ///< Δ₀
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Vertex i of the mesh is points[i]. Neighbours share vertices; there are none without a triangle. Attributes of the

@@ -12,6 +12,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render_options.h"
+#include "sansmesh/report.h"
 #include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
@@ -50,10 +51,12 @@ struct SANSMESH_API FlowPictureOptions {
 };
 
 /// Outcome of flow_pictures().
-struct FlowPicturesResult {
+struct SANSMESH_API FlowPicturesResult {
   FlowSurfaceReport surface;  ///< of the surface itself
   int width = 0, height = 0;  ///< of each picture
   std::vector<Note> notes;    ///< those of trace_surface; "reconstruction"
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Throws ArgumentError for what the flow has not, before long work.

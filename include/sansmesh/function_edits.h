@@ -15,6 +15,7 @@
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vec.h"
 
@@ -90,22 +91,26 @@ struct Edit {
 };
 
 /// What an edit did.
-struct EditReport {
+struct SANSMESH_API EditReport {
   std::size_t chosen = 0;    ///< supports that were selected
   std::size_t supports = 0;  ///< that stand in their place
   Box3 changed;              ///< where the function may have changed (input); empty: nowhere
   /// The same more closely: boxes whose union holds it; they may overlap.
   std::vector<Box3> regions;
   std::string what;  ///< one line for people to read
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// How the mesh of an edited function was made.
-struct MeshUpdate {
+struct SANSMESH_API MeshUpdate {
   bool local = false;       ///< false: the whole mesh was made anew
   std::size_t removed = 0;  ///< triangles of the old mesh that went
   std::size_t added = 0;    ///< triangles that are new
   std::size_t regions = 0;  ///< apart from each other, that were cut out again
   std::string why;          ///< why the whole was made anew, for people to read; empty if it was not
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Why a place should not be trusted without a look.

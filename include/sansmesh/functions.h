@@ -18,6 +18,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/surface_function.h"
 #include "sansmesh/triangle_mesh.h"
@@ -35,10 +36,12 @@ struct FitFunctionOptions {
 };
 
 /// What was done to the samples.
-struct FitFunctionReport {
+struct SANSMESH_API FitFunctionReport {
   bool estimated_normals = false;       ///< there were none, or they were not wanted
   std::optional<OrientBy> oriented_by;  ///< from what the normals got their signs; nothing: from the input
   std::string alignment;  ///< what was done to scans, in words; empty where nothing was asked for (CloudUse::align)
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Function of samples.
@@ -66,19 +69,29 @@ SANSMESH_API MeshFunctionResult mesh_of_function(const SurfaceFunction& function
                                                  Progress& progress);
 
 /// Numbers of a run of probe_function(). Distances from the surface are about those, without their sign.
-struct ProbeFunctionReport {
+struct SANSMESH_API ProbeFunctionReport {
+  std::size_t points = 0;       ///< places
   std::size_t inside = 0;       ///< places with a negative value
   double mean = 0;              ///< distance (length)
   double median = 0;            ///< distance (length)
   double largest = 0;           ///< distance (length)
   double largest_gradient = 0;  ///< norm; near the surface about 1 where the function is sound
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
+};
+
+/// Values of a function at one place.
+struct SANSMESH_API ProbedPlace : LevelSetPoint {
+  Vec3 at;  ///< in the coordinates of the input
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Values of a function at places.
 struct SANSMESH_API ProbeFunctionResult {
   /// A place each: about the distance to the surface, negative inside, and the level set through the place; in the unit
   /// of the input.
-  std::vector<LevelSetPoint> values;
+  std::vector<ProbedPlace> values;
   ProbeFunctionReport report;  ///< over all of them
 
   /// Sets the attributes value, gradient_x, gradient_y, gradient_z, k1 and k2 (float, a row a place). Throws
@@ -104,11 +117,13 @@ struct EditInput {
 };
 
 /// An edited function.
-struct EditedFunction {
+struct SANSMESH_API EditedFunction {
   SurfaceFunction function;       ///< after all edits
   std::vector<EditReport> steps;  ///< of each edit
   TriangleMesh mesh = {};         ///< of the function; empty unless asked for
   MeshUpdate update = {};         ///< what of it is new; of one that was made without another nothing is told
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Edits a function, one edit after the other; with `make_mesh` also its mesh as the edits leave it. Throws
@@ -125,13 +140,18 @@ struct SANSMESH_API ListedPlace {
 
   /// The place's `worst` in words: "coverage down to 0.12".
   std::string worst_words() const;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Suspicious places of a function, with edits to try.
-struct DiagnoseResult {
+struct SANSMESH_API DiagnoseResult {
+  std::size_t fits = 0;             ///< local approximations of the function
   Diagnosis diagnosis;              ///< the places and the coloured mesh
   std::vector<ListedPlace> places;  ///< the same places, numbered
   std::vector<Edit> edits;          ///< to try, one for each place that has a step
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Looks for places where a function should not be trusted without a look (METHODS §3.1,
@@ -141,7 +161,7 @@ SANSMESH_API DiagnoseResult diagnose(const SurfaceFunction& function, const Diag
                                      Progress& progress);
 
 /// Facts of a function. Lengths and places in the unit of the input.
-struct FunctionInfo {
+struct SANSMESH_API FunctionInfo {
   std::size_t fits = 0;           ///< local approximations
   FitsOfDegree fits_of_degree{};  ///< how many of them have degree 0, 1, …, kMaxDegree
   std::size_t creased = 0;        ///< fits with a crease or corner
@@ -157,9 +177,18 @@ struct FunctionInfo {
   double accuracy = 0;               ///< estimated error of the surface, root mean square (length)
   std::vector<std::string> history;  ///< edits that made it, one line each
   std::optional<PaperReport> paper;  ///< of FitMethod::paper: how its blocks came to be; files do not keep it
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// What is known of a function, without evaluating it.
 SANSMESH_API FunctionInfo info(const SurfaceFunction& function);
+
+/// An edit and its place, in words.
+SANSMESH_API std::string words_of(const EditReport& step);
+/// What of a mesh of so many triangles is new: ", of which 162 are new; 98.8 % kept", or why all of it is.
+SANSMESH_API std::string words_of(const MeshUpdate& update, std::size_t triangles);
+/// All of it in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const FunctionInfo& info);
 
 }  // namespace sansmesh::inline v1

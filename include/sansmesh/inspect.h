@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "sansmesh/api.h"
@@ -16,6 +17,7 @@
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/solid_measures.h"
 #include "sansmesh/surface_function.h"
@@ -68,7 +70,7 @@ class SANSMESH_API AnySurface {
 };
 
 /// A surface moved onto another.
-struct AlignResult {
+struct SANSMESH_API AlignResult {
   TriangleMesh moved;  ///< with all that belongs to it; points have no triangles
   /// What it was moved onto: the mesh or the points, of functions and isosurfaces the mesh that was made.
   std::shared_ptr<const TriangleMesh> fixed;
@@ -78,6 +80,8 @@ struct AlignResult {
   /// "mirrored": the mirror image fits instead; "other_shape": they differ by more than noise; "mesh": what there is to
   /// say of a mesh that was made.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Finds the motion that brings `moving` onto `fixed` (docs/methods/alignment.md) and applies it, after `before`.
@@ -89,6 +93,8 @@ SANSMESH_API AlignResult align(const AnySurface& moving, const AnySurface& fixed
 
 /// One of the two surfaces of a comparison.
 enum class MapSide : std::uint8_t { part, reference };
+/// In the order of the enumerators.
+inline constexpr std::string_view kSideWords[] = {"part", "reference"};
 
 /// How two surfaces are compared.
 struct SANSMESH_API CompareOptions {
@@ -107,20 +113,26 @@ struct SANSMESH_API CompareOptions {
 };
 
 /// Numbers of a run of compare().
-struct CompareReport {
+struct SANSMESH_API CompareReport {
+  MapSide on = MapSide::part;                 ///< the side that is mapped
+  std::optional<double> tolerance;            ///< as asked for (length)
   double diagonal = 0;                        ///< of the box of the reference (length)
   std::optional<SurfaceAlignment> alignment;  ///< if the part was aligned
   AffineMap motion;                           ///< of the part, if it was aligned
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Map of the distances between two surfaces.
-struct CompareResult {
+struct SANSMESH_API CompareResult {
   TriangleMesh mesh;     ///< of the part or the reference, with the attribute of distances and their colours
   DistanceMap map;       ///< of its vertices
   CompareReport report;  ///< size of the reference, and the alignment
   /// Those of align; "edges_stay_long": refining would take too many triangles; "coarse": only corners of large
   /// triangles are compared; "no_sign": the other side is points without normals.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Compares a part with a reference: statistics and colours of signed distances, positive outside of the reference.
@@ -141,12 +153,14 @@ struct SANSMESH_API AssessOptions {
 };
 
 /// Measures of a mesh by itself, and against a reference.
-struct AssessReport {
+struct SANSMESH_API AssessReport {
   std::size_t vertices = 0;                 ///< or points
   std::optional<MeshTopology> topology;     ///< of a mesh, sewn where its borders lie on each other
   std::optional<MeshQuality> quality;       ///< of a mesh
   std::optional<SurfaceDistance> distance;  ///< with a reference: how far apart they are
   std::optional<MeshCoverage> coverage;     ///< with a reference: of a mesh whose reference is a cloud or a meshed scan
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Assessment of a mesh.
@@ -204,16 +218,31 @@ struct SectionReport {
 };
 
 /// Cross-sections of a surface.
-struct SectionResult {
+struct SANSMESH_API SectionResult {
   std::vector<Section> sections;  ///< a plane each: single ones, then the series
   SectionReport report;           ///< counts of their curves
   /// "open_curves": the surface has borders there.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Cuts a surface with planes; of a function the curves of the function itself, without a mesh. Throws ArgumentError
 /// for bad options, and for a resolution of meshes, which are cut exactly; DataError of points, and without finite
 /// vertices; Cancelled.
 SANSMESH_API SectionResult section(const AnySurface& surface, const SectionOptions& options, Progress& progress);
+
+/// The motion and how it fits, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const SurfaceAlignment& alignment);
+/// How a part was moved, statistics and what was left out, in lines for people. `other`: the name of what it was
+/// compared with.
+SANSMESH_API std::vector<std::string> summary_of(const CompareResult& compared, const CompareOptions& options,
+                                                 const std::string& other);
+/// The distribution of distances as bars, a line each.
+SANSMESH_API std::vector<std::string> histogram_of(const DistanceMap& map);
+/// Measures in lines for people, without the parts beyond the twentieth.
+SANSMESH_API std::vector<std::string> summary_of(const SolidMeasures& measures);
+/// How good a mesh is, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const AssessReport& report);
 
 }  // namespace sansmesh::inline v1

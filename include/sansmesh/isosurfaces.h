@@ -14,6 +14,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/volume_options.h"
 #include "sansmesh/volumes.h"
@@ -38,10 +39,12 @@ struct SANSMESH_API VolumeIsosurfaceOptions {
 };
 
 /// What became of an isosurface.
-struct VolumeIsosurfaceReport {
+struct SANSMESH_API VolumeIsosurfaceReport {
   ReconstructionReport reconstruction;  ///< of the field
   double value = 0;                     ///< on the surface
   IsosurfaceReport mesh;                ///< how it was cut out
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// An isosurface as a mesh.
@@ -71,20 +74,24 @@ struct SANSMESH_API IsosurfaceMomentsOptions {
 };
 
 /// The mesh of a moment, measured.
-struct IsosurfaceMoment {
+struct SANSMESH_API IsosurfaceMoment {
   double time = 0;                                          ///< of the moment
   std::size_t vertices = 0, triangles = 0, components = 0;  ///< how many
   bool closed = true;                                       ///< no edge is open
   double area = 0, volume = 0;                              ///< length², length³
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// What became of a surface that changes.
-struct IsosurfaceMomentsReport {
+struct SANSMESH_API IsosurfaceMomentsReport {
   ReconstructionReport reconstruction;    ///< of the first step
   double value = 0;                       ///< on the surface
   std::size_t blocks = 0;                 ///< in space and time
   double cell = 0, time_cell = 0;         ///< edge and duration of the smallest blocks
   std::vector<IsosurfaceMoment> moments;  ///< in their order
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// A surface that changes; its meshes were handed over.
@@ -119,13 +126,15 @@ struct SANSMESH_API SurfaceInVolumeOptions {
 };
 
 /// A surface that a volume's samples define: of one value, or where the quantity changes most. Cheap to copy.
-struct SurfaceInVolume {
+struct SANSMESH_API SurfaceInVolume {
   std::shared_ptr<const VolumeSurface> surface;  ///< for the jobs below and for pictures
   VolumeSurfaceReport report;                    ///< how it was found
   double value = 0;                              ///< of the array; of high gradient none
   std::string name;                              ///< of the volume, for messages
   /// "resolved": the values are so smooth that an isosurface of the reconstruction is nearer.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Of the array that the volume was opened with: of a component, or lengths of vectors. Throws ArgumentError for bad
@@ -147,10 +156,12 @@ struct SANSMESH_API MeshInVolumeOptions {
 };
 
 /// What became of its mesh.
-struct MeshInVolumeReport {
+struct SANSMESH_API MeshInVolumeReport {
   MeshReport mesh;               ///< how it was cut out
   double area = 0;               ///< length²
   std::optional<double> volume;  ///< enclosed, where the mesh is closed
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Its mesh with what there is to say of it.

@@ -11,6 +11,7 @@
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vec.h"
 
@@ -19,7 +20,7 @@ namespace sansmesh::inline v1 {
 /// How the triangles of a mesh hang together. Counts over the triangles with three different corners; others are only
 /// counted as degenerate. Vertices are told apart by index, not by position: a triangle soup has three boundary edges
 /// per triangle.
-struct MeshTopology {
+struct SANSMESH_API MeshTopology {
   std::size_t vertices = 0;              ///< used by a triangle
   std::size_t unused_vertices = 0;       ///< used by none
   std::size_t triangles = 0;             ///< with three different corners
@@ -50,13 +51,15 @@ struct MeshTopology {
     if (triangles == 0 || !manifold() || !oriented()) return std::nullopt;
     return static_cast<long>(components) - (euler + static_cast<long>(boundary_loops)) / 2;
   }
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Counts them. Time and memory linear in the size of the mesh, in parallel.
 SANSMESH_API MeshTopology measure_topology(const TriangleMesh& mesh);
 
 /// Shapes and sizes of the triangles, over those with an area; lengths in the unit of the mesh, angles in degrees.
-struct MeshQuality {
+struct SANSMESH_API MeshQuality {
   std::size_t triangles = 0;  ///< that have an area
   /// Aspect ratio AR = l_max P / (4 √3 S) with longest edge l_max, perimeter P, area S: 1 for an equilateral triangle
   /// (METHODS 3.3; tejada2008, section 3.3). Ratios above 1e6 count as 1e6, so that one sliver does not hide the rest.
@@ -70,13 +73,15 @@ struct MeshQuality {
   double area = 0;                 ///< length²
   /// length³, by the divergence theorem; positive if the triangles face outward. Meaningless for open meshes.
   double volume = 0;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Measures them. Deterministic for any number of threads.
 SANSMESH_API MeshQuality measure_quality(const TriangleMesh& mesh);
 
 /// Distances from the samples of one surface to the closest points of the other. Lengths in the unit of the input.
-struct OneWayDistance {
+struct SANSMESH_API OneWayDistance {
   std::size_t samples = 0;  ///< number of samples
   double mean = 0;          ///< mean distance
   double rms = 0;           ///< root mean square distance
@@ -87,6 +92,8 @@ struct OneWayDistance {
   std::optional<double> angle;
   /// The same between the normals, with regard to their signs (degrees, 0..180).
   std::optional<double> signed_angle;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// How far two surfaces are apart, both ways.
@@ -99,19 +106,23 @@ struct SurfaceDistance {
 };
 
 /// How many of some places are far from all that they should be near.
-struct FarPlaces {
+struct SANSMESH_API FarPlaces {
   std::size_t looked_at = 0;  ///< places
   double beyond = 0;          ///< what counts as far (length)
   double share = 0;           ///< of the places that are far, 0..1
   std::optional<Vec3> most;   ///< one around which most of those lie (input); nothing where none is far
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// What a mesh leaves out of its samples, and what it makes up.
-struct MeshCoverage {
+struct SANSMESH_API MeshCoverage {
   double spacing = 0;  ///< of the samples, as estimated (length)
   double noise = 0;    ///< of the samples, as estimated: standard deviation (length)
   FarPlaces lost;      ///< samples without a surface
   FarPlaces invented;  ///< surface without samples
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Where the search for the motion begins.
@@ -155,7 +166,7 @@ struct SANSMESH_API SimilarityMotion {
 };
 
 /// A motion, and how well the surfaces fit by it. Lengths in the unit of the fixed surface.
-struct SurfaceAlignment {
+struct SANSMESH_API SurfaceAlignment {
   SimilarityMotion motion;                    ///< of the moving surface
   AlignStart start = AlignStart::as_it_lies;  ///< from which the motion was found
   int iterations = 0;                         ///< of the last search
@@ -187,6 +198,8 @@ struct SurfaceAlignment {
   /// Size of what moves over that of the fixed surface, as they came: distances from the middle that three quarters of
   /// their points are within.
   double size_ratio = 1;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -11,6 +11,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vec.h"
 
@@ -75,7 +76,7 @@ struct SANSMESH_API MeshOptions {
 };
 
 /// Numbers of a mesh of a surface. Lengths in the unit of the input.
-struct MeshReport {
+struct SANSMESH_API MeshReport {
   std::size_t simplices = 0;           ///< that a walk went through; 0 without one
   std::size_t blocks = 0;              ///< leaf blocks
   int block_depth = 0;                 ///< deepest level of the tree of blocks
@@ -90,6 +91,8 @@ struct MeshReport {
   double lost = 0;
   std::optional<Vec3> most_lost;      ///< if that is more than one in a hundred: where most of them are
   std::vector<std::string> warnings;  ///< what could not be as it was asked for, a sentence each
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// What the mesh of a solid should be like. Lengths in the unit of its expression.
@@ -123,7 +126,7 @@ struct SANSMESH_API CsgMeshOptions {
 };
 
 /// Numbers of a mesh of a solid.
-struct CsgMeshReport {
+struct SANSMESH_API CsgMeshReport {
   Box3 box;                    ///< in which the surface lies: tight to a thirty-second of the solid's bounds
   double cell = 0;             ///< edge of the smallest blocks
   int depth = 0;               ///< levels of the tree of blocks
@@ -135,6 +138,8 @@ struct CsgMeshReport {
   double mean_error = 0;       ///< distance of the triangles' middles from the surface: mean over the area (length)
   double largest_error = 0;    ///< distance of the triangles' middles from the surface: largest (length)
   std::vector<std::string> warnings;  ///< what could not be as it was asked for, a sentence each
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -33,7 +33,8 @@ enum class OptionKind : std::uint8_t {
   choice,   ///< one of a few words; its value is the word
   numbers,  ///< a list of `count` numbers, or of any number of them where that is 0
   texts,    ///< a list of texts
-  group     ///< a struct of options
+  group,    ///< a struct of options
+  steps     ///< a list of what is done one after the other; its rows are what may be
 };
 
 /// Numbers that an option takes. An end that is excluded is approached only.
@@ -68,24 +69,26 @@ struct OptionFacts {
   std::string_view needs = {};                         ///< an option without which this one means nothing
   std::string_view excludes = {};                      ///< an option that cannot be set as well
   std::span<const std::string_view> usual_words = {};  ///< of a text: some that it may be, to be offered
+  std::span<const std::string_view> endings = {};      ///< of a file (unit "file"), with dots; none: whatever is read
   std::string_view old_name = {};  ///< that it had, understood and warned of; a flag that is on by itself: turned off
 };
 
 /// One field of an options struct: what is said of it, its type, and how it is read and written. Made by option(),
-/// option_group() and option_base().
+/// option_group(), option_step() and option_steps().
 struct OptionRow : OptionFacts {
   /// Whether it may be named without a value: `implied` is then its value.
   bool may_stand_alone() const { return implied.data() != nullptr; }
 
   OptionKind kind = OptionKind::flag;  ///< type of its value
   bool optional = false;               ///< may be left to the data
+  bool step = false;                   ///< one of `steps`: setting it adds a step to the list
   int count = 1;                       ///< of numbers
   /// Reads the field of a struct; null for groups. Choices come as numbers: see option_value.
   OptionValue (*get)(const void* options) = nullptr;
   /// Writes the field of a struct, without any check; null for groups. See set_option.
   void (*set)(void* options, const OptionValue& value) = nullptr;
-  void* (*part)(void* options) = nullptr;  ///< of a group: the struct
-  std::span<const OptionRow> rows = {};    ///< of a group
+  void* (*part)(void* options) = nullptr;  ///< of a group: the struct; of steps: the list
+  std::span<const OptionRow> rows = {};    ///< of a group or steps
 };
 
 /// All options of a struct.
@@ -286,13 +289,27 @@ constexpr OptionRow option_group(std::span<const OptionRow> rows, const OptionFa
   return row;
 }
 
-/// The rows of a base of a struct.
-template <class Base, class Derived>
-constexpr OptionRow option_base(std::span<const OptionRow> rows) {
+/// The row of what may be done in a list of steps: `make` makes one of a value, `[](const OptionValue& value) -> Step`.
+/// Of a flag the value is true.
+template <class Step, auto make>
+constexpr OptionRow option_step(OptionKind kind, const OptionFacts& facts, int count = 1) {
   OptionRow row;
-  row.kind = OptionKind::group;
-  row.rows = rows;
-  row.part = [](void* o) -> void* { return static_cast<Base*>(static_cast<Derived*>(o)); };
+  static_cast<OptionFacts&>(row) = facts;
+  row.kind = kind;
+  row.count = count;
+  row.optional = row.step = true;
+  row.get = [](const void*) { return OptionValue(); };
+  row.set = [](void* steps, const OptionValue& value) {
+    static_cast<std::vector<Step>*>(steps)->push_back(make(value));
+  };
+  return row;
+}
+
+/// A list of steps, and what they may be: a row each.
+template <auto member>
+constexpr OptionRow option_steps(std::span<const OptionRow> rows) {
+  OptionRow row = option_group<member>(rows);
+  row.kind = OptionKind::steps;
   return row;
 }
 
@@ -302,7 +319,8 @@ concept HasSchema = requires {
   { T::schema() } -> std::convertible_to<const OptionSchema&>;
 };
 
-/// Calls `use` for every row, those of groups in their place, with the struct that it is a field of.
+/// Calls `use` for every row, those of groups and steps in their place, with the struct (or list) that it is a field
+/// of.
 SANSMESH_API void for_each_option(const OptionSchema& schema, void* options,
                                   const std::function<void(const OptionRow& row, void* owner)>& use);
 /// The same of a constant struct.

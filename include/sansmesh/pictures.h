@@ -17,6 +17,7 @@
 #include "sansmesh/polyline_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render_options.h"
+#include "sansmesh/report.h"
 #include "sansmesh/surface_function.h"
 #include "sansmesh/surface_options.h"
 
@@ -38,8 +39,8 @@ struct PictureObject {
 
 /// The kinds of objects.
 enum class ObjectKind : std::uint8_t { mesh, points, lines, function };
-/// "mesh", …
-SANSMESH_API const char* object_word(ObjectKind kind);
+/// Words for them, in the order of the enumerators.
+inline constexpr std::string_view kObjectWords[] = {"mesh", "points", "lines", "function"};
 
 /// Rays at a projection march through the balls around the samples, or start from polynomials stored with these.
 enum class RayStart : std::uint8_t { march, stored };
@@ -78,19 +79,23 @@ struct SANSMESH_API PictureOptions {
 };
 
 /// An object as it was drawn.
-struct DrawnObject {
+struct SANSMESH_API DrawnObject {
   ObjectKind kind = ObjectKind::mesh;  ///< of what
   std::string title;                   ///< in the list
   std::string color;                   ///< "#rrggbb", or "own"
   double opacity = 1;                  ///< 0..1
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Report on pictures of objects.
-struct RenderReport {
+struct SANSMESH_API RenderReport {
   std::vector<DrawnObject> objects;      ///< where they stand side by side, or are translucent, lines or turned
   std::optional<SurfaceReport> surface;  ///< where a surface is drawn without a mesh
   std::optional<CastCounts> rays;        ///< of that
   std::optional<std::size_t> splats;     ///< in place of rays
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Outcome of render().
@@ -127,13 +132,15 @@ struct SANSMESH_API LinePictureOptions {
 };
 
 /// Outcome of line_picture().
-struct LinePicture {
+struct SANSMESH_API LinePicture {
   Image image;                  ///< with its scale
   RenderOptions made_with;      ///< with which it was made
   std::string color_by;         ///< the array
   double lower = 0, upper = 0;  ///< what gets the colours at the ends
   double radius = 0;            ///< of the tubes (length)
   std::size_t triangles = 0;    ///< that the tubes are made of
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Radius of the tubes that lines are drawn as: the given one, or 1/400 of their diagonal. Throws DataError where all

@@ -77,6 +77,10 @@ struct SANSMESH_API AffineMap {
   double determinant() const { return dot(x, cross(y, z)); }
   /// Whether A is the identity, exactly.
   bool only_shifts() const { return x == Vec3{1, 0, 0} && y == Vec3{0, 1, 0} && z == Vec3{0, 0, 1}; }
+  /// Its matrix, a row after the other.
+  std::array<std::array<double, 4>, 4> rows() const {
+    return {{{x.x, y.x, z.x, shift.x}, {x.y, y.y, z.y, shift.y}, {x.z, y.z, z.z, shift.z}, {0, 0, 0, 1}}};
+  }
   /// The map p → this(first(p)).
   AffineMap after(const AffineMap& first) const;
   /// The map that undoes this one. Throws ArgumentError where the map flattens space: |determinant| is not above 1e-12

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -18,21 +19,25 @@
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/surface_options.h"
 
 namespace sansmesh::inline v1 {
 
 /// One array of attributes.
-struct AttributeInfo {
+struct SANSMESH_API AttributeInfo {
   std::string name;                   ///< of the array
-  bool of_triangles = false;          ///< a row a triangle; otherwise a row a point
+  std::string_view of = "point";      ///< of what it has rows: "point", "triangle" or "cell"
   NumberType type = NumberType::f32;  ///< of its numbers
   /// For each component the least and the largest finite number; nothing where there is none.
   std::vector<std::optional<std::pair<double, double>>> ranges;
+  std::optional<std::size_t> not_finite = {};  ///< numbers; told of arrays of volumes
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Facts of a cloud or mesh. Lengths and places in the unit of the input.
-struct CloudInfo {
+struct SANSMESH_API CloudInfo {
   std::size_t points = 0;                    ///< or vertices
   std::size_t duplicates = 0;                ///< in the place of another
   Box3 box;                                  ///< around the positions
@@ -49,6 +54,8 @@ struct CloudInfo {
   std::optional<std::array<std::size_t, 256>> classes;
   std::size_t triangles = 0;         ///< of the file
   std::optional<MeshTopology> mesh;  ///< of what has some, sewn where its borders lie on each other
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Measures a cloud, or the vertices of a mesh. Throws Cancelled.
@@ -67,13 +74,15 @@ struct SANSMESH_API NormalsOptions {
 };
 
 /// Numbers of a run of normals().
-struct NormalsReport {
+struct SANSMESH_API NormalsReport {
   double spacing = 0;                   ///< edge of the square that one sample stands for (length)
   NoiseEstimate noise;                  ///< of the samples
   std::optional<int> neighbours;        ///< of new normals
   std::optional<OrientBy> oriented_by;  ///< from what the signs were taken
   GivenNormals check;                   ///< of what was made
   std::size_t unknown = 0;              ///< samples without a normal: zero
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Samples with normals.
@@ -102,15 +111,18 @@ struct SANSMESH_API CurvatureMapOptions {
 };
 
 /// Numbers of a run of curvature().
-struct CurvatureReport {
-  bool mesh = false;          ///< the curvatures are those of a mesh's vertices
-  double noise = 0;           ///< standard deviation of the samples off the surface (length)
-  std::size_t undefined = 0;  ///< samples without enough neighbours: zero
-  double q05 = 0;             ///< 5 % quantile of the quantity that is shown
-  double median = 0;          ///< of the quantity that is shown
-  double q95 = 0;             ///< 95 % quantile of the quantity that is shown
-  double color_range = 0;     ///< the value that gets the full colour
-  bool beyond_range = false;  ///< some are larger
+struct SANSMESH_API CurvatureReport {
+  CurvatureQuantity color_by = CurvatureQuantity::mean;  ///< as used
+  bool mesh = false;                                     ///< the curvatures are those of a mesh's vertices
+  double noise = 0;                                      ///< standard deviation of the samples off the surface (length)
+  std::size_t undefined = 0;                             ///< samples without enough neighbours: zero
+  double q05 = 0;                                        ///< 5 % quantile of the quantity that is shown
+  double median = 0;                                     ///< of the quantity that is shown
+  double q95 = 0;                                        ///< 95 % quantile of the quantity that is shown
+  double color_range = 0;                                ///< the value that gets the full colour
+  bool beyond_range = false;                             ///< some are larger
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Samples with curvatures.
@@ -156,10 +168,12 @@ struct ProjectInput {
 };
 
 /// Numbers of a run of project().
-struct ProjectReport {
+struct SANSMESH_API ProjectReport {
   std::string method;  ///< by name, as it was chosen
   /// How far points moved, unless new ones were spread; of lop only how many there are.
   SurfaceProjection moved;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Points on a surface.
@@ -174,5 +188,12 @@ struct ProjectResult {
 /// ArgumentError for bad options, DataError that begins with a name where there is no surface, or none near the points;
 /// Cancelled.
 SANSMESH_API ProjectResult project(ProjectInput input, const ProjectOptions& options, Progress& progress);
+
+/// "t (double × 3 a point): 0 to 1, 2 to 3, …".
+SANSMESH_API std::string array_words(const AttributeInfo& array);
+/// "from (0, 0, 0) to (1, 2, 3)", to ten digits.
+SANSMESH_API std::string box_words(const Box3& box);
+/// All of it in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const CloudInfo& info);
 
 }  // namespace sansmesh::inline v1

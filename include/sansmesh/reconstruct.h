@@ -13,6 +13,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/surface_options.h"
 #include "sansmesh/triangle_mesh.h"
 
@@ -34,7 +35,7 @@ struct SANSMESH_API ReconstructOptions {
 };
 
 /// Numbers of a run of reconstruct().
-struct ReconstructReport : MeshReport {
+struct SANSMESH_API ReconstructReport : MeshReport {
   double spacing = 0;                   ///< √(area / samples): edge of the square that one sample stands for (length)
   double noise = 0;                     ///< estimated standard deviation of the samples off the surface (length)
   bool estimated_normals = false;       ///< there were none, or they were not wanted
@@ -48,6 +49,8 @@ struct ReconstructReport : MeshReport {
   /// Mean winding number just behind the samples, from which that was decided: 1 if the surface is closed, ½ of a
   /// plane. 1 for other surfaces.
   double behind = 1;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Mesh of samples.
@@ -62,5 +65,8 @@ struct ReconstructResult {
 /// Throws DataError where the points cannot be reconstructed (fewer than 9, all coincident, collinear or in a plane),
 /// ArgumentError for bad options, Cancelled.
 SANSMESH_API ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options, Progress& progress);
+
+/// How the surface was made, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const ReconstructReport& report, const ReconstructOptions& options);
 
 }  // namespace sansmesh::inline v1

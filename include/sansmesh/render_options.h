@@ -16,6 +16,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vec.h"
 
@@ -216,11 +217,13 @@ struct SANSMESH_API FlowTextureOptions {
 };
 
 /// How rays at a surface without a mesh fared.
-struct CastCounts {
+struct SANSMESH_API CastCounts {
   std::uint64_t rays = 0, hits = 0;    ///< all, and those that met the surface
   std::uint64_t hit_evaluations = 0;   ///< of the field or projection, for rays that hit
   std::uint64_t miss_evaluations = 0;  ///< for rays that did not
   std::uint64_t ball_queries = 0;      ///< for balls along a ray
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// The mesh seen in perspective, framed to fill the picture. Meshes without triangles are clouds: discs where there are

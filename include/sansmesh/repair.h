@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "sansmesh/api.h"
@@ -11,17 +12,20 @@
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/repair_options.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 
 /// Holes of a mesh.
-struct HolesResult {
+struct SANSMESH_API HolesResult {
   HoleLoops holes;                  ///< their borders
   std::size_t triangles = 0;        ///< of the mesh
   std::size_t joined_vertices = 0;  ///< at the same place as another
   /// "stray_border": border that runs around no hole.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Finds the holes; vertices at the same place become one before. Throws DataError for more triangles than can be
@@ -29,7 +33,7 @@ struct HolesResult {
 SANSMESH_API HolesResult list_holes(TriangleMesh mesh, Progress& progress);
 
 /// Mesh with holes filled.
-struct FillResult {
+struct SANSMESH_API FillResult {
   TriangleMesh mesh;                ///< the original with its fillings
   FillReport report;                ///< what became of each hole
   std::size_t triangles = 0;        ///< of the original
@@ -38,6 +42,8 @@ struct FillResult {
   /// that stay, since the surface runs into them steeply; "wide": much of what was filled is invented; "islands":
   /// pieces that lie in a filling; "seams": vertices at one place differ otherwise.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// The mesh with its holes filled; vertices at the same place become one before. Throws ArgumentError for
@@ -72,7 +78,7 @@ struct SANSMESH_API SimplifyOptions {
 };
 
 /// Numbers of a run of simplify().
-struct SimplifyReport {
+struct SANSMESH_API SimplifyReport {
   std::size_t vertices = 0;         ///< of the original
   std::size_t triangles = 0;        ///< of the original
   std::size_t joined_vertices = 0;  ///< of the original, at the same place as another
@@ -80,6 +86,8 @@ struct SimplifyReport {
   double least_shape = 0;           ///< as asked of the triangles made
   /// How far off the best shapes are (length), where worse ones are nearer and were taken.
   std::optional<double> farthest_by_shape;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Mesh of fewer triangles.
@@ -94,5 +102,10 @@ struct SimplifyResult {
 /// The mesh of fewer triangles by collapses of edges (docs/methods/polygonisation.md): borders, creases and topology
 /// stay; colours and attributes of vertices that merge are averaged. Throws ArgumentError for bad options, Cancelled.
 SANSMESH_API SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progress& progress);
+
+/// How far vertices moved, and what that did to area and volume, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const SmoothReport& report);
+/// A line for each hole, `most` of them, the largest first.
+SANSMESH_API std::vector<std::string> summary_of(const HoleLoops& holes, std::size_t most);
 
 }  // namespace sansmesh::inline v1

@@ -4,17 +4,29 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "sansmesh/api.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
 
+/// What became of a hole.
+enum class HoleOutcome : std::uint8_t {
+  filled,     ///< it is closed
+  too_large,  ///< left open, as the options say
+  failed,     ///< no triangles go across it without an edge that is there already
+  end         ///< left open because it looks like the end of something that goes on
+};
+/// Words for them, in the order of the enumerators.
+inline constexpr std::string_view kOutcomeWords[] = {"filled", "left open", "no way across", "steep, left open"};
+
 /// A closed curve along the border of a mesh. Lengths in its unit.
-struct HoleLoop {
+struct SANSMESH_API HoleLoop {
   /// Vertices in the order in which triangles that fill it run: the border's own run the other way. Where vertices
   /// repeat at a place, the ones that the border has.
   std::vector<std::uint32_t> vertices;
@@ -26,14 +38,19 @@ struct HoleLoop {
   /// How steeply the mesh leaves the plane of the loop, 0..1, on the mean: 0 of a hole in a plane, 1 of a tube that is
   /// cut off.
   double steepness = 0;
+  std::optional<HoleOutcome> outcome = {};  ///< of filling it
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// All closed curves along the borders of a mesh.
-struct HoleLoops {
+struct SANSMESH_API HoleLoops {
   std::vector<HoleLoop> loops;        ///< by falling diameter
   std::size_t border_edges = 0;       ///< of one triangle
   std::size_t stray_edges = 0;        ///< of these, in no loop: the border ends at edges that are not manifold
   std::size_t nonmanifold_edges = 0;  ///< of three triangles or more
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Which holes are filled, and how.
@@ -59,26 +76,20 @@ struct SANSMESH_API FillOptions {
 };
 
 /// What became of the holes.
-struct FillReport {
-  /// What became of one hole.
-  enum class Outcome : std::uint8_t {
-    filled,     ///< it is closed
-    too_large,  ///< left open, as the options say
-    failed,     ///< no triangles go across it without an edge that is there already
-    end         ///< left open because it looks like the end of something that goes on
-  };
-  HoleLoops found;               ///< in the original
-  std::vector<Outcome> outcome;  ///< of each loop
-  std::size_t filled = 0;        ///< loops by outcome
-  std::size_t too_large = 0;     ///< loops by outcome
-  std::size_t failed = 0;        ///< loops by outcome
-  std::size_t ends = 0;          ///< loops by outcome
-  std::size_t triangles = 0;     ///< added
-  std::size_t vertices = 0;      ///< added
-  double area = 0;               ///< added, length²
+struct SANSMESH_API FillReport {
+  HoleLoops found;            ///< in the original, with what became of each
+  std::size_t filled = 0;     ///< loops by outcome
+  std::size_t too_large = 0;  ///< loops by outcome
+  std::size_t failed = 0;     ///< loops by outcome
+  std::size_t ends = 0;       ///< loops by outcome
+  std::size_t triangles = 0;  ///< added
+  std::size_t vertices = 0;   ///< added
+  double area = 0;            ///< added, length²
   /// Pieces of the mesh whose middle lies near a filling (nearer than a quarter of the hole's diameter): they stay, and
   /// now lie before, behind or across it.
   std::size_t islands = 0;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// How far a mesh is smoothed, and what is kept.
@@ -106,7 +117,7 @@ struct SANSMESH_API SmoothOptions {
 };
 
 /// What became of it, over the vertices that triangles use. Lengths in the unit of the mesh.
-struct SmoothReport {
+struct SANSMESH_API SmoothReport {
   std::size_t vertices = 0;             ///< used by a triangle; those at the same place count once
   std::size_t fixed = 0;                ///< of these stayed: on borders, or where edges have three triangles or more
   double mean_edge = 0;                 ///< before
@@ -119,6 +130,8 @@ struct SmoothReport {
   double area_after = 0;                ///< length²
   std::optional<double> volume_before;  ///< length³; nothing unless the mesh is closed and oriented
   std::optional<double> volume_after;   ///< length³; nothing unless the mesh is closed and oriented
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -10,13 +10,18 @@
 
 #include "sansmesh/api.h"
 #include "sansmesh/error.h"
+#include "sansmesh/image.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/render_options.h"
+#include "sansmesh/report.h"
 #include "sansmesh/simulate_options.h"
 #include "sansmesh/tet_mesh.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vec.h"
+#include "sansmesh/volume_field.h"
+#include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
 
@@ -73,7 +78,7 @@ class SANSMESH_API SceneError : public ArgumentError {
 };
 
 /// What a body is made of, what acts on it, and in which steps it will move.
-struct SimulationPlan {
+struct SANSMESH_API SimulationPlan {
   std::shared_ptr<const TetMesh> rest;  ///< in the unit of its file
   double unit = 1;                      ///< metres of that
   bool z_up = false;                    ///< z points up
@@ -85,6 +90,8 @@ struct SimulationPlan {
   std::size_t frame_steps = 0;          ///< steps from frame to frame
   /// "mean_material": several materials, their mean is taken; "no_material": cells without one; "unit": it is guessed.
   std::vector<Note> notes;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// What the options and the scene say together, and for what neither says: materials of the cells (arrays `density`,
@@ -153,7 +160,7 @@ struct SimulationMoment {
 };
 
 /// Counts and energies of a simulation.
-struct SimulateReport {
+struct SANSMESH_API SimulateReport {
   std::size_t steps = 0, halvings = 0;    ///< that it took
   std::size_t unsettled = 0;              ///< steps after which contacts would still change
   std::uint64_t iterations = 0;           ///< of conjugate gradients
@@ -162,7 +169,14 @@ struct SimulateReport {
   double seconds = 0;                     ///< that it took
   BodyEnergies first, last;               ///< at rest, and in the end
   std::vector<SimulationMoment> moments;  ///< at rest, and where they are asked for after each step
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
+  /// All moments as a table (CSV): energies, iterations, contacts.
+  std::string table() const;
 };
+
+/// What was simulated and how long that took, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const SimulationPlan& plan, const SimulateReport& report);
 
 /// A motion with what there is to say of it.
 struct SimulateResult {
@@ -178,5 +192,38 @@ struct SimulateResult {
 /// Cancelled.
 SANSMESH_API SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool moments,
                                      Progress& progress);
+
+// ---- Pictures ----------------------------------------------------------------------------------------------------
+
+/// A volume that is seen through the tetrahedra.
+struct CarriedVolume {
+  std::shared_ptr<const VolumeField> field = {};  ///< of one component
+  bool image = false;                             ///< its samples lie on a lattice
+  VolumePictureOptions look = {};                 ///< its own part: what all pictures share is taken from their options
+};
+
+/// Pictures of all frames from one place, from which the whole motion is seen.
+class SANSMESH_API MotionPictures {
+ public:
+  /// Checks all options before there is any motion. Without a surface there is a volume. Throws ArgumentError.
+  MotionPictures(std::shared_ptr<const TetMesh> rest, std::shared_ptr<const CarriedSurface> surface,
+                 std::optional<CarriedVolume> volume, const RenderOptions& options);
+  ~MotionPictures();
+  MotionPictures(MotionPictures&&) noexcept;             ///< moves
+  MotionPictures& operator=(MotionPictures&&) noexcept;  ///< moves
+
+  /// "volume_ends": the volume does not reach everywhere in the tetrahedra.
+  const std::vector<Note>& notes() const;
+  /// To be called once, before pictures are drawn; obstacles of `scene` are drawn, its lengths in the unit of the
+  /// body's file.
+  void show(Motion motion, const DynamicsScene& scene);
+  /// The picture of a frame of the motion, from 0 on. Not from several threads. Throws DataError where there is nothing
+  /// to draw, Cancelled.
+  Image draw(std::size_t frame, Progress& progress);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace sansmesh::inline v1

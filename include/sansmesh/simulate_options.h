@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "sansmesh/api.h"
+#include "sansmesh/report.h"
 #include "sansmesh/tet_mesh.h"
 #include "sansmesh/vec.h"
 
@@ -180,9 +181,11 @@ struct StepReport {
 };
 
 /// Joules. Of gravity relative to the origin.
-struct BodyEnergies {
+struct SANSMESH_API BodyEnergies {
   double kinetic = 0, elastic = 0, gravity = 0;                 ///< J
   double total() const { return kinetic + elastic + gravity; }  ///< J
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -13,6 +13,7 @@
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vec.h"
@@ -20,10 +21,12 @@
 namespace sansmesh::inline v1 {
 
 /// A box in any direction.
-struct OrientedBox {
+struct SANSMESH_API OrientedBox {
   std::array<Vec3, 3> axes{};     ///< orthonormal, right-handed
   std::array<double, 3> sizes{};  ///< along the axes, descending
   Vec3 center;                    ///< middle of the box
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Volume and moments of a solid of density 1; lengths in the unit of the mesh, positions in world coordinates.
@@ -36,7 +39,7 @@ struct MassMeasures {
 };
 
 /// Measures of a set of triangles.
-struct BodyMeasures {
+struct SANSMESH_API BodyMeasures {
   std::size_t triangles = 0;          ///< that were measured
   std::size_t boundary_edges = 0;     ///< of one triangle
   std::size_t open_edges = 0;         ///< that more triangles run through in one direction than in the other
@@ -55,10 +58,12 @@ struct BodyMeasures {
   int surrounding = 0;
   /// Its volume is neither that of a solid that stands free nor that of a cavity in one.
   bool misplaced() const { return mass && surrounding != (mass->volume < 0 ? 1 : 0); }
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Measures of a solid, as a whole and by components.
-struct SolidMeasures {
+struct SANSMESH_API SolidMeasures {
   BodyMeasures whole;                    ///< all triangles together
   std::vector<BodyMeasures> components;  ///< sets of triangles that share vertices, largest area first
   MeshTopology topology;                 ///< of the whole
@@ -68,6 +73,8 @@ struct SolidMeasures {
   std::size_t left_out = 0;
   std::size_t crossing_pairs = 0;       ///< pairs of triangles that cut through each other
   std::size_t crossing_components = 0;  ///< components that cut through another one
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// The points x with ⟨normal, x⟩ = offset, and a frame (u, v, normal), right-handed and orthonormal. The coordinates of
@@ -130,6 +137,8 @@ struct SANSMESH_API Section {
   /// Enclosed area (length²): sum over the closed curves: holes are subtracted. Negative if the surface faces inward.
   double area = 0;
   bool closed() const;  ///< whether every curve is
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// What a map of distances measures and shows. Lengths in the unit of the input. What is absent follows from the data.
@@ -152,7 +161,7 @@ struct SANSMESH_API DistanceMapOptions {
 /// Statistics of distances, over what was measured. Lengths in the unit of the input. On a mesh every vertex weighs as
 /// much as a third of the area of its triangles, so that dense places count no more than others; points all weigh the
 /// same. NaN where nothing was measured.
-struct DistanceStatistics {
+struct SANSMESH_API DistanceStatistics {
   double mean = 0;                         ///< of the signed distance
   double mean_absolute = 0;                ///< mean of its absolute value
   double rms = 0;                          ///< root mean square
@@ -173,10 +182,12 @@ struct DistanceStatistics {
   double above_range = 0;       ///< share of the weight above range
   double range = 0;             ///< half of the range of the histogram and of the colours (length, > 0)
   bool smallest_range = false;  ///< it is the smallest, since nearly everything lies nearer
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Distances of the vertices of one surface from another one. Lengths in the unit of the input.
-struct DistanceMap {
+struct SANSMESH_API DistanceMap {
   std::vector<float> distance;    ///< of every vertex; positive outside; NaN where it was left out
   bool has_sides = true;          ///< false: only absolute values are known
   double max_distance = 0;        ///< as used
@@ -186,6 +197,8 @@ struct DistanceMap {
   std::size_t at_border = 0;      ///< whose closest point lies on a border; left out only with skip_border
   std::size_t not_finite = 0;     ///< left out: vertices that are not finite, or that no triangle uses
   DistanceStatistics statistics;  ///< of the distances
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 inline constexpr std::size_t kHistogramBins = 41;  ///< of DistanceStatistics::histogram; odd: one bin lies around 0

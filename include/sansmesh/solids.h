@@ -10,6 +10,7 @@
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {
@@ -38,6 +39,8 @@ class SANSMESH_API SolidModel {
 
   /// For the library's own sources.
   const SolidParts& parts() const { return *parts_; }
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 
  private:
   std::shared_ptr<const SolidParts> parts_;

@@ -9,6 +9,7 @@
 
 #include "sansmesh/api.h"
 #include "sansmesh/option.h"
+#include "sansmesh/report.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -212,21 +213,25 @@ struct SANSMESH_API ProjectToSurface {
 };
 
 /// How far points were moved onto a surface. Lengths in the unit of the input.
-struct SurfaceProjection {
+struct SANSMESH_API SurfaceProjection {
   std::size_t projected = 0;  ///< points on the surface now
   std::size_t left_out = 0;   ///< points outside of the domain of definition, or too far from it
   double mean_move = 0;       ///< distance, mean
   double rms_move = 0;        ///< distance, root mean square
   double largest_move = 0;    ///< distance, largest
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// A surface that was made of samples.
-struct SurfaceReport {
+struct SANSMESH_API SurfaceReport {
   std::string method;             ///< by name
   double spacing = 0, noise = 0;  ///< of the samples (length, unit of the input)
   double smoothing = 0;           ///< median width over the local spacing; 0 where the method has no weights
   int order = 0, iterations = 0;  ///< amls
   std::size_t samples = 0;        ///< that it was made of
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 }  // namespace sansmesh::inline v1

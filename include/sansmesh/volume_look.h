@@ -14,6 +14,7 @@
 #include "sansmesh/api.h"
 #include "sansmesh/option.h"
 #include "sansmesh/render_options.h"
+#include "sansmesh/report.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -131,7 +132,7 @@ struct SANSMESH_API VolumePictureOptions {
 };
 
 /// How a picture of a volume came to be.
-struct VolumePictureReport {
+struct SANSMESH_API VolumePictureReport {
   TransferFunction transfer;  ///< that was used
   std::string why;            ///< it was taken, if it was suggested
   /// Lines on what may not be as wished: iso-surfaces of values that were not found in the volume, baked fields that
@@ -141,13 +142,15 @@ struct VolumePictureReport {
   /// What steps of half the length would change, on one pixel in 256: mean and largest difference of a channel, in
   /// levels of 0..255. This is the error of the steps, apart from that of the field. Not found for `check_steps` false.
   double step_error_mean = 0, step_error_most = 0;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Error of baked fields above which bricks are split, if nothing is said: a share of the range of the values.
 inline constexpr double kBakeError = 0.004;
 
 /// How near a baked field is to the field that it stands for.
-struct BakeReport {
+struct SANSMESH_API BakeReport {
   double least = 0, most = 0;  ///< of the values found in the volume
   /// At those of 20,000 points spread evenly over the box that are in the volume, and where fewer than one in 50 is, as
   /// many of the places, too; they are others than the points that decided what was split. Shares of the range. The
@@ -163,6 +166,8 @@ struct BakeReport {
   /// as fine as it where splits did not help twice in a row (values that jump), or where only places tell of the
   /// volume. False: the memory was at its end, or refine() is to go on.
   bool finished = false;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -13,6 +13,7 @@
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/option.h"
 #include "sansmesh/reconstruction_options.h"
+#include "sansmesh/report.h"
 
 namespace sansmesh::inline v1 {
 
@@ -85,7 +86,7 @@ struct SANSMESH_API IsosurfaceOptions {
 };
 
 /// What became of the mesh.
-struct IsosurfaceReport {
+struct SANSMESH_API IsosurfaceReport {
   std::size_t blocks = 0;             ///< that it was cut out of
   double cell = 0;                    ///< edge of the smallest blocks (length)
   double mesh_error = 0;              ///< distance between mesh and surface aimed at (length)
@@ -94,6 +95,8 @@ struct IsosurfaceReport {
   double area = 0;                    ///< length²
   std::optional<double> volume;       ///< enclosed, where closed
   std::vector<std::string> warnings;  ///< a line each
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Surfaces of volumes without a mesh: moving least squares on samples that weigh in by how near their value is to that
@@ -135,7 +138,7 @@ struct SANSMESH_API VolumeSurfaceOptions {
 };
 
 /// What was found on the way to such a surface.
-struct VolumeSurfaceReport {
+struct SANSMESH_API VolumeSurfaceReport {
   std::size_t samples = 0;     ///< that count
   double spacing = 0;          ///< of those, on the median (length)
   double smoothing = 0;        ///< h over the spacing
@@ -144,6 +147,8 @@ struct VolumeSurfaceReport {
   double noise_distance = 0;   ///< what that moves an isosurface by (length)
   double least_gradient = 0;   ///< high_gradient
   std::optional<double> beta;  ///< where one holds everywhere
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -12,6 +12,7 @@
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render_options.h"
+#include "sansmesh/report.h"
 #include "sansmesh/surface_options.h"
 #include "sansmesh/volume_look.h"
 
@@ -77,12 +78,15 @@ struct SANSMESH_API SurfaceInVolumeLook {
 };
 
 /// The quantity that the colours show.
-struct ShownColors {
+struct SANSMESH_API ShownColors {
+  std::string array;                           ///< empty of curvatures
   std::optional<CurvatureQuantity> curvature;  ///< or an array
   double range = 0;                            ///< of the curvature that gets the full colour, in lengths of the input
   /// Of an array: its colours, and whether it has values below and above theirs on the surface.
   TransferFunction colors;
   BarEnds ends;  ///< of the colours
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Pictures of a surface in a volume, by rays and without a mesh. Built once; then pictures from anywhere.

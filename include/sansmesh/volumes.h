@@ -12,11 +12,14 @@
 #include <vector>
 
 #include "sansmesh/api.h"
+#include "sansmesh/box.h"
 #include "sansmesh/grid_data.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
+#include "sansmesh/points.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/reconstruction_options.h"
+#include "sansmesh/report.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/vec.h"
 #include "sansmesh/volume_advice.h"
@@ -132,12 +135,30 @@ SANSMESH_API VolumeModel open_volume(const std::vector<std::string>& files, cons
 /// "a.vtu", "a.vts and 2 other files".
 SANSMESH_API std::string volume_name(const std::vector<std::string>& files);
 
+/// A volume as it was used.
+struct SANSMESH_API VolumeUse {
+  std::string format;              ///< of its file
+  std::string array;               ///< that was looked at
+  std::string method;              ///< of reconstruction; empty without one
+  std::string why;                 ///< the reason for that, if the library chose it
+  std::size_t samples = 0;         ///< of the array
+  std::string grid;                ///< in words
+  std::vector<std::string> notes;  ///< on the values
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
+};
+
+/// What a volume was used as so far.
+SANSMESH_API VolumeUse volume_use(const VolumeModel& volume, Progress& progress);
+
 /// A volume that changes in time: its steps, all open at once.
-struct VolumeSeries {
+struct SANSMESH_API VolumeSeries {
   std::vector<VolumeModel> steps;  ///< two at least; array and method of all are those of the first
   std::vector<double> times;       ///< of the steps
   std::string name;                ///< of the files
   std::vector<Note> notes;         ///< of reading, of all steps
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// All steps of a file, or several files one after the other. `times`: of files, each, or the first and the step
@@ -149,9 +170,11 @@ SANSMESH_API VolumeSeries open_volume_series(const std::vector<std::string>& fil
 // ---- Values ------------------------------------------------------------------------------------------------------
 
 /// How values at points were found.
-struct ProbeReport {
+struct SANSMESH_API ProbeReport {
   ReconstructionReport reconstruction;  ///< of the field
   std::size_t inside = 0;               ///< points in the volume
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Values of a volume at points. Of point i and component c the value stands at i * names.size() + c.
@@ -170,13 +193,30 @@ struct ProbeResult {
 /// VolumeModel::field, Cancelled.
 SANSMESH_API ProbeResult probe_volume(const VolumeModel& volume, std::span<const Vec3> points, Progress& progress);
 
+/// Value of one component at a point.
+struct SANSMESH_API ProbedValue {
+  Vec3 at;              ///< the point
+  std::string name;     ///< of the component
+  double value = 0;     ///< unit of the array
+  Vec3 gradient;        ///< values per length
+  bool inside = false;  ///< in the volume
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
+};
+
+/// A point after the other, and of each its components.
+SANSMESH_API std::vector<ProbedValue> probed_values(const ProbeResult& probed);
+
 /// A row a point: x,y,z,NAME,NAME_dx,NAME_dy,NAME_dz,inside.
 SANSMESH_API std::string probe_table(const ProbeResult& probed);
 
 /// How a grid was filled.
-struct ResampleReport {
+struct SANSMESH_API ResampleReport {
   ReconstructionReport reconstruction;  ///< of the field
+  std::array<std::size_t, 3> size{};    ///< values along the axes
   double inside = 0;                    ///< share of the values that lie in the volume
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// A volume on a uniform grid.
@@ -201,11 +241,13 @@ struct SANSMESH_API FitVolumeOptions {
 };
 
 /// A fit in numbers.
-struct FitVolumeReport {
+struct SANSMESH_API FitVolumeReport {
   ReconstructionReport reconstruction;  ///< of the field
   std::size_t samples = 0;              ///< of the volume
   std::vector<std::string> arrays;      ///< that are kept
   std::vector<std::size_t> by_degree;   ///< polynomials of degree 0, 1, …; empty for methods without coefficients
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// A volume with its reconstruction, to be kept. Cheap to copy.
@@ -226,26 +268,40 @@ SANSMESH_API void write_fit(const std::string& file, const FitVolumeResult& fit)
 // ---- Contents ----------------------------------------------------------------------------------------------------
 
 /// The reconstruction that a fitted volume holds.
-struct HeldReconstruction {
+struct SANSMESH_API HeldReconstruction {
   std::string array;                   ///< its name
   ReconstructionOptions options;       ///< with what was chosen from the data
   std::vector<std::size_t> by_degree;  ///< as in FitVolumeReport
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Contents of a file of a volume.
-struct VolumeInfo {
-  std::shared_ptr<const SampledVolume> samples;   ///< with its facts; arrays and times are those of the model
+struct SANSMESH_API VolumeInfo {
+  std::string format;                             ///< of the file
+  VolumeFacts facts;                              ///< on the grid
+  std::size_t samples = 0;                        ///< of the array, as what follows
+  bool in_cells = false;                          ///< values are those of cells
+  Box3 box;                                       ///< around the samples
+  std::vector<AttributeInfo> arrays;              ///< all of the file
   std::optional<HeldReconstruction> fitted = {};  ///< of a fitted volume
+  std::vector<double> times;                      ///< of the steps
+  std::vector<std::string> file_notes;            ///< on how the file was read
   /// Information, what was left out or mended: "merged", "not_finite", "hidden", "overlapped", "degenerate",
   /// "inverted", "layer".
   std::vector<Note> notes = {};
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Bare grids too, where the model may be one. Throws DataError where nothing can be made of them, Cancelled.
 SANSMESH_API VolumeInfo volume_info(const VolumeModel& volume, Progress& progress);
 
+/// All of it in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const VolumeInfo& info);
+
 /// Advice on a volume: what can be made of it, by which method and with which arrays.
-struct VolumeAdvice {
+struct SANSMESH_API VolumeAdvice {
   VolumeOffer offer;  ///< what there is, with traits of the array and the method that suits it
   std::vector<VolumeRecommendation> recommendations;  ///< the first choice first
   std::string array;  ///< that surfaces and pictures are of: of vectors the magnitude; empty of bare grids
@@ -253,6 +309,8 @@ struct VolumeAdvice {
   std::string flow;   ///< the array of vectors; empty if there is none
   /// Ends of a line across the flow, through the middle of the box, that surfaces of the flow may start from.
   std::optional<std::array<Vec3, 2>> seeds;
+
+  static const ReportSchema& schema();  ///< a row for all that it tells
 };
 
 /// Throws DataError where there is neither an array nor a body, Cancelled.

@@ -206,4 +206,16 @@ Advice advise(const PointSet& points, Progress& progress) {
   return advice;
 }
 
+namespace {
+
+constexpr ReportRow kAdviceRows[] = {reported<&Advice::traits>({.text = "What the samples are like"}),
+                                     reported<&Advice::findings>({.text = "What was seen, in words"})};
+
+}  // namespace
+
+const ReportSchema& Advice::schema() {
+  static constexpr ReportSchema schema{kAdviceRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

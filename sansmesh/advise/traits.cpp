@@ -14,6 +14,7 @@
 #include "sansmesh/mesh/sewn_mesh.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/given_normals.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/neighbourhood_sample.h"
 #include "sansmesh/points/noise.h"
@@ -233,6 +234,46 @@ CloudTraits measure_traits(PointSet given, Progress& progress, std::vector<std::
   measure_openness(std::move(points), traits, progress);
   progress.finish();
   return traits;
+}
+
+namespace {
+
+constexpr ReportRow kCloudTraitsRows[] = {
+    reported<&CloudTraits::samples>({.text = "Samples that can be used"}),
+    reported<&CloudTraits::diagonal>({.text = "Diagonal of the box", .unit = "length"}),
+    reported<&CloudTraits::spacing>({.text = "Edge of the square that a sample stands for", .unit = "length"}),
+    reported<&CloudTraits::noise>({.text = "Standard deviation of the samples off the surface", .unit = "length"}),
+    reported<&CloudTraits::noise_known>({.text = "Whether noise and shape can be told apart"}),
+    reported<&CloudTraits::most_noise>({.text = "The noise is no more than this", .unit = "length"}),
+    reported<&CloudTraits::step>({.text = "Steps of the coordinates, where they hide the noise", .unit = "length"}),
+    reported<&CloudTraits::density_ratio>(
+        {.text = "Local spacing: its 95 % quantile over its 5 % quantile", .unit = "factor"}),
+    reported<&CloudTraits::evenness>({.text = "Distance of the nearest sample over the spacing"}),
+    reported<&CloudTraits::outliers>({.text = "Share of samples that belong to no surface", .unit = "share"}),
+    reported<[](const CloudTraits& r) { return told_if(r.creases_known, r.creases); }>(
+        {.name = "creases",
+         .text = "Share of places next to a sharp edge; nothing where noise hides them",
+         .unit = "share"}),
+    reported<[](const CloudTraits& r) { return told_if(r.creases_known, r.crease_length); }>(
+        {.name = "crease_length", .text = "Length of the sharp edges", .unit = "diagonals"}),
+    reported<&CloudTraits::borders>({.text = "Share of places next to a border or hole", .unit = "share"}),
+    reported<&CloudTraits::border_length>({.text = "Length of the borders", .unit = "diagonals"}),
+    reported<&CloudTraits::open>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
+    reported<&CloudTraits::faces>({.text = "Whether there are faces"}),
+    reported<[](const CloudTraits& r) { return told_if(r.faces, r.open_edges); }>(
+        {.name = "open_edges", .text = "Edges of one face"}),
+    reported<[](const CloudTraits& r) { return told_if(r.faces, r.open_loops); }>(
+        {.name = "open_loops", .text = "Connected sets of these"}),
+    reported<[](const CloudTraits& r) { return judge_normals(r.orientation).words; }>(
+        {.name = "normals", .text = "Normals, in words"}),
+    reported<[](const CloudTraits& r) { return judge_normals(r.orientation); }>(
+        {.name = "orientation", .text = "How normals are oriented"})};
+
+}  // namespace
+
+const ReportSchema& CloudTraits::schema() {
+  static constexpr ReportSchema schema{kCloudTraitsRows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

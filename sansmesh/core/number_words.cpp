@@ -20,4 +20,21 @@ std::string counted(std::uint64_t n, std::string_view noun) {
 
 std::string length_words(double length) { return fmt::format("{:.4g}", length); }
 
+std::string place_words(const Vec3& p) {
+  // Adding 0 turns -0 into 0.
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x + 0.0, p.y + 0.0, p.z + 0.0);
+}
+
+std::string size_words(const Vec3& size) {
+  return fmt::format("{} × {} × {}", length_words(size.x), length_words(size.y), length_words(size.z));
+}
+
+std::string area_words(double area, const std::optional<double>& volume) {
+  return volume ? fmt::format("area {:.6g}, volume {:.6g}", area, *volume) : fmt::format("area {:.6g}", area);
+}
+
+std::string titled(std::string_view title, std::string_view text, int width) {
+  return fmt::format("{:<{}}{}", title, width, text);
+}
+
 }  // namespace sansmesh::inline v1

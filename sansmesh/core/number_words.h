@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
 
@@ -15,5 +18,14 @@ std::string counted(std::uint64_t n, std::string_view noun);
 
 /// With four significant digits: "0.01234".
 std::string length_words(double length);
+
+/// "(1, 2, 3)", with six digits.
+std::string place_words(const Vec3& place);
+/// "1.5 × 2 × 0.25", as lengths.
+std::string size_words(const Vec3& size);
+/// "area 1.5, volume 2".
+std::string area_words(double area, const std::optional<double>& volume);
+/// A line of a summary: "area            0.5".
+std::string titled(std::string_view title, std::string_view text, int width = 16);
 
 }  // namespace sansmesh::inline v1

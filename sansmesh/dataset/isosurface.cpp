@@ -364,4 +364,21 @@ Solid isosurface_solid(const std::shared_ptr<const Isosurface>& surface) {
   return csg::place(own_solid(surface), place);
 }
 
+namespace {
+
+constexpr ReportRow kIsosurfaceReportRows[] = {
+    reported<&IsosurfaceReport::blocks>({.text = "Blocks"}),
+    reported<&IsosurfaceReport::cell>({.text = "Edge of the smallest blocks", .unit = "length"}),
+    reported<&IsosurfaceReport::area>({.text = "Area of the mesh", .unit = "length²"}),
+    reported<&IsosurfaceReport::volume>({.text = "Volume of the mesh, where it is closed", .unit = "length³"}),
+    reported<&IsosurfaceReport::components>({.name = "output.components", .text = "Connected parts of the mesh"}),
+    reported<&IsosurfaceReport::closed>({.name = "output.closed", .text = "Whether the mesh is closed"})};
+
+}  // namespace
+
+const ReportSchema& IsosurfaceReport::schema() {
+  static constexpr ReportSchema schema{kIsosurfaceReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -16,6 +16,7 @@
 #include "sansmesh/dataset/value_ranges.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/triangle_mesh.h"

@@ -700,4 +700,24 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
   return points;
 }
 
+namespace {
+
+constexpr ReportRow kVolumeSurfaceReportRows[] = {
+    reported<&VolumeSurfaceReport::samples>({.text = "Samples that count"}),
+    reported<&VolumeSurfaceReport::spacing>({.text = "Median spacing of these", .unit = "length"}),
+    reported<&VolumeSurfaceReport::smoothing>({.text = "Width of the weights", .unit = "spacings"}),
+    reported<&VolumeSurfaceReport::slope>(
+        {.text = "Median slope of the quantity at the surface", .unit = "per length"}),
+    reported<&VolumeSurfaceReport::noise>({.text = "Noise of the values", .unit = "unit of the array"}),
+    reported<&VolumeSurfaceReport::beta>({.text = "Sharpness of the weights, where one holds everywhere"}),
+    reported<&VolumeSurfaceReport::least_gradient>(
+        {.text = "Slope from which on samples count, of high gradients", .unit = "per length"})};
+
+}  // namespace
+
+const ReportSchema& VolumeSurfaceReport::schema() {
+  static constexpr ReportSchema schema{kVolumeSurfaceReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

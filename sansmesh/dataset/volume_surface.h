@@ -14,6 +14,7 @@
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"

@@ -127,4 +127,30 @@ FoldReport find_folds(const SpaceMap& map, const Box3& box, const std::array<std
   return report;
 }
 
+namespace {
+
+constexpr ReportRow kFoldRows[] = {
+    reported<&Fold::center>({.text = "Middle of the fold", .unit = "length"}),
+    reported<&Fold::share>({.text = "Share of the volume that is folded there", .unit = "share"})};
+
+}  // namespace
+
+const ReportSchema& Fold::schema() {
+  static constexpr ReportSchema schema{kFoldRows};
+  return schema;
+}
+
+namespace {
+
+constexpr ReportRow kFoldReportRows[] = {
+    reported<&FoldReport::share>({.name = "folded", .text = "Share of the volume that is folded", .unit = "share"}),
+    reported<&FoldReport::folds>({.text = "Folds, the largest first"})};
+
+}  // namespace
+
+const ReportSchema& FoldReport::schema() {
+  static constexpr ReportSchema schema{kFoldReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -7,6 +7,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/deform_options.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/space_map.h"
 
 namespace sansmesh::inline v1 {

@@ -76,4 +76,19 @@ TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<
   return mesh;
 }
 
+namespace {
+
+constexpr ReportRow kOpenMeshReportRows[] = {
+    reported<&OpenMeshReport::edges>({.text = "Edges along which it was opened"}),
+    reported<&OpenMeshReport::faces>({.text = "Triangles of cut faces"}),
+    reported<&OpenMeshReport::unopened>({.text = "Triangles that were left whole"}),
+    reported<&OpenMeshReport::unclosed>({.text = "Cuts that left something open"})};
+
+}  // namespace
+
+const ReportSchema& OpenMeshReport::schema() {
+  static constexpr ReportSchema schema{kOpenMeshReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -179,4 +179,19 @@ void SoftBody::set_state(std::span<const Vec3> positions, std::span<const Vec3> 
   state_->explicit_stepper.reset(), state_->implicit_stepper.reset();
 }
 
+namespace {
+
+constexpr ReportRow kBodyEnergiesRows[] = {
+    reported<&BodyEnergies::kinetic>({.text = "Energy of motion", .unit = "J"}),
+    reported<&BodyEnergies::elastic>({.text = "Energy of what is stretched", .unit = "J"}),
+    reported<&BodyEnergies::gravity>({.text = "Energy of height", .unit = "J"}),
+    reported<&BodyEnergies::total>({.text = "Sum of all", .unit = "J"})};
+
+}  // namespace
+
+const ReportSchema& BodyEnergies::schema() {
+  static constexpr ReportSchema schema{kBodyEnergiesRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -311,4 +311,28 @@ PolylineSet flow_lines(const VectorField& field, std::span<const Vec3> seeds, co
   return lines;
 }
 
+namespace {
+
+ReportCounts counted_ends(const FlowLineReport& report) {
+  ReportCounts counts;
+  for (std::size_t k = 0; k < report.ends.size(); ++k)
+    if (report.ends[k] > 0) counts.emplace_back(kTraceEndWords[k], static_cast<std::int64_t>(report.ends[k]));
+  return counts;
+}
+
+constexpr ReportRow kFlowLineReportRows[] = {
+    reported<&FlowLineReport::seeds>({.name = "seeds.count", .text = "Seeds"}),
+    reported<&FlowLineReport::outside>({.name = "seeds.outside", .text = "Seeds out of the flow"}),
+    reported<[](const FlowLineReport& r) { return counted_ends(r); }>(
+        {.name = "ends", .text = "Reasons for which lines ended"}),
+    reported<&FlowLineReport::longest>(
+        {.name = "output.longest", .text = "Length of the longest line", .unit = "length"})};
+
+}  // namespace
+
+const ReportSchema& FlowLineReport::schema() {
+  static constexpr ReportSchema schema{kFlowLineReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

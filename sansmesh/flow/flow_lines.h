@@ -6,6 +6,7 @@
 #include "sansmesh/flow_options.h"
 #include "sansmesh/polyline_set.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/vector_field.h"
 
 namespace sansmesh::inline v1 {

@@ -70,4 +70,22 @@ void FlowSurfaceOptions::validate() const {
                  "`sweep` of a time surface must have a length");
 }
 
+namespace {
+
+constexpr ReportRow kFlowSurfaceReportRows[] = {
+    reported<&FlowSurfaceReport::particles>({.text = "Particles that were followed, seeds included"}),
+    reported<&FlowSurfaceReport::inserted>({.text = "Particles that were put between others"}),
+    reported<&FlowSurfaceReport::removed>({.text = "Particles that were left out between others"}),
+    reported<&FlowSurfaceReport::tears>({.text = "Pairs of neighbours that were parted"}),
+    reported<&FlowSurfaceReport::fronts>({.text = "Fronts"}),
+    reported<&FlowSurfaceReport::spacing>({.text = "Distance of the particles at the seeds", .unit = "length"}),
+    reported<&FlowSurfaceReport::complete>({.text = "Whether nothing ended it before its end"})};
+
+}  // namespace
+
+const ReportSchema& FlowSurfaceReport::schema() {
+  static constexpr ReportSchema schema{kFlowSurfaceReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

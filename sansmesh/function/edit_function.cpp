@@ -208,4 +208,21 @@ EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
   return report;
 }
 
+namespace {
+
+constexpr ReportRow kEditReportRows[] = {
+    reported<&EditReport::what>({.text = "One line on what was done"}),
+    reported<&EditReport::chosen>({.name = "selected", .text = "Supports that were selected"}),
+    reported<&EditReport::supports>({.text = "Supports that stand in their place"}),
+    reported<&EditReport::changed>(
+        {.text = "Corners of the box in which the function may have changed", .unit = "length"}),
+    reported<&EditReport::regions>({.name = "boxes", .text = "Boxes that hold all of that, more closely"})};
+
+}  // namespace
+
+const ReportSchema& EditReport::schema() {
+  static constexpr ReportSchema schema{kEditReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -71,7 +71,7 @@ double mean_edge(const TriangleMesh& mesh) {
   return mesh.triangles.empty() ? 0 : sum / static_cast<double>(mesh.triangles.size());
 }
 
-std::string place_words(const Vec3& p) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x, p.y, p.z); }
+std::string exact_place_words(const Vec3& p) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x, p.y, p.z); }
 
 /// "34 %"; all only if it is all.
 std::string percent_of(double share) {
@@ -153,7 +153,7 @@ class Updating {
   bool no_way(const Pending& p) {
     update_.why = agreement_ < kAgreement ? no_agreement()
                                           : "no border was found along which old and new triangles meet, around " +
-                                                place_words(function_.place.to_input(p.change.center()));
+                                                exact_place_words(function_.place.to_input(p.change.center()));
     return false;
   }
 
@@ -212,7 +212,7 @@ bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::sp
   const std::size_t off = match.vertices - match.on;
   if (static_cast<double>(off) > kOff * static_cast<double>(match.vertices)) {
     u.why = fmt::format("{} of {} vertices off the changes are not on the surface, the farthest at {}", grouped(off),
-                        grouped(match.vertices), place_words(match.farthest_at));
+                        grouped(match.vertices), exact_place_words(match.farthest_at));
     return false;
   }
   // In the coordinates of the field.
@@ -295,6 +295,23 @@ TriangleMesh update_mesh(const FittedFunction& function, TriangleMesh before, st
   if (u.local) return before;
   u.removed = u.added = u.regions = 0;
   return mesh_function(function, options, progress);
+}
+
+namespace {
+
+constexpr ReportRow kMeshUpdateRows[] = {
+    reported<&MeshUpdate::local>({.text = "Whether only parts were made anew"}),
+    reported<&MeshUpdate::removed>({.text = "Triangles that were removed"}),
+    reported<&MeshUpdate::added>({.text = "Triangles that were added"}),
+    reported<&MeshUpdate::regions>({.text = "Separate regions that were made anew"}),
+    reported<[](const MeshUpdate& r) { return told_if(!r.why.empty(), r.why); }>(
+        {.name = "why", .text = "Reason for which all was made anew"})};
+
+}  // namespace
+
+const ReportSchema& MeshUpdate::schema() {
+  static constexpr ReportSchema schema{kMeshUpdateRows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

@@ -71,4 +71,36 @@ AlignResult align(const AnySurface& moving, const AnySurface& fixed, const Surfa
   return result;
 }
 
+namespace {
+
+constexpr ReportRow kAlignResultRows[] = {
+    reported<&AlignResult::report>({.name = "alignment", .text = "How it was moved, and how it fits"}),
+    reported<[](const AlignResult& r) { return r.motion.rows(); }>(
+        {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
+
+}  // namespace
+
+const ReportSchema& AlignResult::schema() {
+  static constexpr ReportSchema schema{kAlignResultRows};
+  return schema;
+}
+
+std::vector<std::string> summary_of(const SurfaceAlignment& r) {
+  const SimilarityMotion& m = r.motion;
+  const Vec3 axis = m.axis();
+  return {titled("turned by", fmt::format("{:.6g}° about ({:.4g}, {:.4g}, {:.4g}){}", m.angle(), axis.x, axis.y, axis.z,
+                                          m.scale != 1 ? fmt::format(", scaled by {:.6g}", m.scale) : "")),
+          titled("its middle by", fmt::format("{}; all of it by {} (root mean square)", place_words(m.to - m.from),
+                                              length_words(r.moved))),
+          titled("distance",
+                 fmt::format("rms {}, half below {}, 95 % below {} (before: half below {})", length_words(r.rms),
+                             length_words(r.median), length_words(r.p95), length_words(r.median_before))),
+          titled("overlap", fmt::format("{:.1f} % of {} within {} of the surface; {}, started {}", 100 * r.overlap,
+                                        counted(r.samples, "sample"), length_words(r.reach),
+                                        counted(static_cast<std::size_t>(r.iterations), "step"),
+                                        r.start == AlignStart::anywhere ? "anywhere"
+                                        : r.searched                    ? "as it lay"
+                                                     : "as it lay, not looked for elsewhere (`from = anywhere`)"))};
+}
+
 }  // namespace sansmesh::inline v1

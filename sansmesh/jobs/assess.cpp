@@ -10,7 +10,9 @@
 #include <cmath>
 #include <utility>
 
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/mesh/topology_words.h"
 #include "sansmesh/points/face_shape.h"
 
 namespace sansmesh::inline v1 {
@@ -73,6 +75,67 @@ AssessResult assess(const TriangleMesh& mesh, PointSet points, const AssessOptio
   result.report.distance = measure_distance(mesh, reference, distance, progress);
   if (samples.size() > 0) result.report.coverage = measure_coverage(mesh, samples, distance.samples, progress);
   return result;
+}
+
+namespace {
+
+constexpr ReportRow kAssessReportRows[] = {
+    reported<[](const AssessReport& r) { return told_if(!r.topology, r.vertices); }>(
+        {.name = "surface.points", .text = "Points, of what has no triangles"}),
+    reported<&AssessReport::topology>({.text = "How the triangles hang together"}),
+    reported<&AssessReport::quality>({.text = "Shapes of the triangles"}),
+    reported<[](const AssessReport& r) {
+      return told_if(r.topology && r.topology->encloses(), r.quality ? r.quality->volume : 0);
+    }>({.name = "quality.volume", .text = "Volume, of what is closed", .unit = "length³"}),
+    reported<[](const AssessReport& r) { return r.distance ? std::optional(r.distance->to_reference) : std::nullopt; }>(
+        {.name = "to_reference", .text = "Distances to the reference: accuracy"}),
+    reported<[](const AssessReport& r) {
+      return r.distance ? std::optional(r.distance->from_reference) : std::nullopt;
+    }>({.name = "from_reference", .text = "Distances from the reference: completeness"}),
+    reported<[](const AssessReport& r) { return r.distance ? std::optional(r.distance->diagonal) : std::nullopt; }>(
+        {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
+    reported<&AssessReport::coverage>({.text = "Samples without a surface, and surface without samples"})};
+
+}  // namespace
+
+const ReportSchema& AssessReport::schema() {
+  static constexpr ReportSchema schema{kAssessReportRows};
+  return schema;
+}
+
+namespace {
+
+/// "0.12 % of the samples: farther than 0.5 from the mesh, most of it around (1, 2, 3)".
+std::string far_words(const FarPlaces& f, const char* of, const char* from) {
+  return fmt::format("{} of the {}: farther than {} from {}{}",
+                     f.share > 0 && f.share < 5e-5 ? "less than 0.01 %" : fmt::format("{:.2f} %", 100 * f.share), of,
+                     length_words(f.beyond), from, f.most ? ", most of it around " + place_words(*f.most) : "");
+}
+
+}  // namespace
+
+std::vector<std::string> summary_of(const AssessReport& r) {
+  std::vector<std::string> lines;
+  const auto line = [&](const char* title, const std::string& text) { lines.push_back(titled(title, text)); };
+  if (r.topology && r.quality) {
+    const MeshQuality& q = *r.quality;
+    line("topology", topology_words(*r.topology));
+    line("triangles", fmt::format("aspect ratio {:.3f} ± {:.3f} (worst {:.3g}), mean smallest angle {:.1f}°, "
+                                  "{:.3f} % of triangles below 10°",
+                                  q.aspect_mean, q.aspect_deviation, q.aspect_max, q.smallest_angle_mean,
+                                  100 * q.small_angle_share));
+    line("size", "area " + length_words(q.area) + (r.topology->encloses() ? ", volume " + length_words(q.volume) : ""));
+  }
+  if (r.distance) {
+    line("to reference", distance_words(r.distance->to_reference, *r.distance));
+    line("from reference", distance_words(r.distance->from_reference, *r.distance));
+    lines.emplace_back("(in brackets: % of the diagonal of the reference's bounding box)");
+  }
+  if (r.coverage) {
+    line("lost", far_words(r.coverage->lost, "samples", "the mesh"));
+    line("invented", far_words(r.coverage->invented, "area", "every sample"));
+  }
+  return lines;
 }
 
 }  // namespace sansmesh::inline v1

@@ -75,6 +75,20 @@ Box3 CloudOrMesh::bounds() const {
   return own.empty() ? Box3{} : Box3{origin() + Vec3(own.lower), origin() + Vec3(own.upper)};
 }
 
+std::string CloudOrMesh::belongings(const std::vector<std::string>& lost) const {
+  constexpr std::size_t kNamed = 8;
+  std::vector<std::string> names;
+  if (!(is_mesh ? mesh.normals : points.normals).empty()) names.emplace_back("normals");
+  if (!(is_mesh ? mesh.colors : points.colors).empty()) names.emplace_back("colours");
+  for (const Attribute& a : attributes()) names.push_back(printable(a.name, 80));
+  for (const Attribute& a : mesh.triangle_attributes) names.push_back(printable(a.name, 80) + " of triangles");
+  std::erase_if(names, [&](const std::string& n) { return std::find(lost.begin(), lost.end(), n) != lost.end(); });
+  if (names.empty()) return "";
+  const std::size_t more = names.size() > kNamed + 1 ? names.size() - kNamed : 0;
+  names.resize(names.size() - more);
+  return fmt::format(", with {}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : "");
+}
+
 void CloudOrMesh::make_points() {
   if (!is_mesh) return;
   points = vertices_of(std::exchange(mesh, {}));

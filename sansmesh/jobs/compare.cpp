@@ -6,10 +6,13 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/with_name.h"
@@ -51,12 +54,11 @@ void refine(TriangleMesh& mesh, const std::string& name, const std::optional<dou
 
 const OptionSchema& CompareOptions::schema() {
   using O = CompareOptions;
-  static constexpr std::string_view sides[] = {"part", "reference"};
   static const OptionRow rows[] = {
       option_group<&O::map>(DistanceMapOptions::schema().rows),
       option<&O::on>({.text = "Draw the map on the part or the reference; the sign stays the part's",
                       .unit = "choice",
-                      .choices = sides}),
+                      .choices = kSideWords}),
       option<&O::refine>(
           {.text = "First halve edges of the mapped mesh until none is longer", .unit = "length", .range = positive()}),
       option<&O::align>({.text = "First move the part onto the reference"}),
@@ -80,6 +82,7 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
     throw ArgumentError("`align` moves meshes and points: with `on = reference`, the part may not be a function");
   CompareResult result;
   CompareReport& r = result.report;
+  r.on = options.on, r.tolerance = options.map.within;
   AnySurface moved = part, still = reference;
   if (options.align) {
     AlignResult aligned = sansmesh::align(part, reference, options.alignment, progress);
@@ -109,6 +112,94 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
                             .of = mapped.name()});
   apply_map(result.mesh, result.map, result.map.statistics.range);
   return result;
+}
+
+namespace {
+
+constexpr ReportRow kCompareReportRows[] = {
+    reported<&CompareReport::on>({.text = "Side on which the map lies", .choices = kSideWords}),
+    reported<&CompareReport::tolerance>({.text = "Tolerance that was asked for", .unit = "length"}),
+    reported<&CompareReport::diagonal>(
+        {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
+    reported<&CompareReport::alignment>({.text = "How the part was moved first"}),
+    reported<[](const CompareReport& r) { return told_if(r.alignment.has_value(), r.motion.rows()); }>(
+        {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
+
+}  // namespace
+
+const ReportSchema& CompareReport::schema() {
+  static constexpr ReportSchema schema{kCompareReportRows};
+  return schema;
+}
+
+namespace {
+
+constexpr ReportRow kCompareResultRows[] = {reported_beside<&CompareResult::map>(),
+                                            reported_beside<&CompareResult::report>()};
+
+}  // namespace
+
+const ReportSchema& CompareResult::schema() {
+  static constexpr ReportSchema schema{kCompareResultRows};
+  return schema;
+}
+
+namespace {
+
+void add_statistics(const DistanceMap& map, const std::optional<double>& tolerance, std::vector<std::string>& lines) {
+  const DistanceStatistics& s = map.statistics;
+  const auto line = [&](const char* title, const std::string& text) { lines.push_back(titled(title, text)); };
+  if (map.has_sides)
+    line("signed", fmt::format("mean {:+.4g}, standard deviation {}, 5 % below {:+.4g}, half below {:+.4g}, "
+                               "95 % below {:+.4g}",
+                               s.mean, length_words(s.deviation), s.p05, s.median, s.p95));
+  line("absolute", fmt::format("mean {}, rms {}, 95 % below {}", length_words(s.mean_absolute), length_words(s.rms),
+                               length_words(s.p95_absolute)));
+  if (map.has_sides && s.lowest < 0)
+    line("farthest inside", fmt::format("{:+.4g} at {}", s.lowest, place_words(s.lowest_at)));
+  if (s.highest > 0)
+    line(map.has_sides ? "and outside" : "farthest",
+         fmt::format("{:+.4g} at {}", s.highest, place_words(s.highest_at)));
+  if (s.within_tolerance)
+    line("tolerance", fmt::format("{:.3f} % within ±{}", 100 * *s.within_tolerance, length_words(*tolerance)));
+}
+
+}  // namespace
+
+std::vector<std::string> summary_of(const CompareResult& made, const CompareOptions& options,
+                                    const std::string& other) {
+  const DistanceMap& map = made.map;
+  std::vector<std::string> lines;
+  if (made.report.alignment) lines = summary_of(*made.report.alignment);
+  if (map.measured > 0) add_statistics(map, options.map.within, lines);
+  const auto line = [&](const char* title, std::size_t count, const std::string& what) {
+    if (count > 0) lines.push_back(titled(title, grouped(count) + " " + what));
+  };
+  line("left out", map.beyond, fmt::format("farther off than {} (grey)", length_words(map.max_distance)));
+  line("not found", map.not_found, "from where no surface was found (grey)");
+  line("borders", map.at_border,
+       fmt::format("closest to the border of {}{}", other,
+                   options.map.skip_border ? " (left out, grey)" : ": `skip_border` leaves them out"));
+  line("unused", map.not_finite, "that no triangle uses");
+  return lines;
+}
+
+std::vector<std::string> histogram_of(const DistanceMap& map) {
+  const DistanceStatistics& s = map.statistics;
+  const double most = *std::max_element(s.histogram.begin(), s.histogram.end());
+  const double low = map.has_sides ? -s.range : 0, width = (s.range - low) / static_cast<double>(s.histogram.size());
+  std::vector<std::string> lines;
+  const auto line = [&](const std::string& where, double share) {
+    const int bar = most > 0 ? index_in<int>(std::round(50 * share / most), 0, 50) : 0;
+    lines.push_back(fmt::format("{:>23} {:8.3f} % {:#<{}}", where, 100 * share, "", bar));
+  };
+  if (map.has_sides) line(fmt::format("below {:.4g}", low), s.below_range);
+  for (std::size_t i = 0; i < s.histogram.size(); ++i)
+    line(
+        fmt::format("{:.4g} .. {:.4g}", low + width * static_cast<double>(i), low + width * static_cast<double>(i + 1)),
+        s.histogram[i]);
+  line(fmt::format("above {:.4g}", s.range), s.above_range);
+  return lines;
 }
 
 }  // namespace sansmesh::inline v1

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/error.h"
+#include "sansmesh/io/transform_file.h"
 
 namespace sansmesh::inline v1 {
 
@@ -68,7 +71,10 @@ struct ValidateStep {
       if (s.factors[k] == 0) throw ArgumentError("`scale` by 0 flattens everything");
   }
   void further(const AxesStep& s) const { axes_map(s.axes); }
-  void further(const UnitStep& s) const { meters_of_unit(s.from), meters_of_unit(s.to); }
+  void further(const UnitStep& s) const {
+    if (!s.from.empty()) meters_of_unit(s.from);
+    meters_of_unit(s.to);
+  }
   void further(const CropStep& s) const {
     if (s.box.empty()) throw ArgumentError("a box has the least x, y, z first, and the largest after them");
   }
@@ -110,6 +116,7 @@ double meters_of_unit(std::string_view name) {
 
 std::string_view step_name(const ConvertStep& step) {
   struct Name {
+    std::string_view operator()(const AboutStep&) const { return "about"; }
     std::string_view operator()(const TransformStep& s) const { return s.inverse ? "inverse_transform" : "transform"; }
     std::string_view operator()(const TranslateStep&) const { return "translate"; }
     std::string_view operator()(const CenterStep&) const { return "center"; }
@@ -132,6 +139,15 @@ std::string_view step_name(const ConvertStep& step) {
 }
 
 void validate_step(const ConvertStep& step) { std::visit(ValidateStep(), step); }
+
+const OptionSchema& AboutStep::schema() {
+  using O = AboutStep;
+  static constexpr OptionRow rows[] = {
+      option<&O::place>({.text = "What stays where it is", .unit = "length", .from_data = "0,0,0"}),
+      option<&O::center>({.text = "The middle of the box stays where it is", .excludes = "place"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
 
 const OptionSchema& TransformStep::schema() {
   using O = TransformStep;
@@ -187,8 +203,9 @@ const OptionSchema& UpStep::schema() {
 
 const OptionSchema& UnitStep::schema() {
   using O = UnitStep;
-  static constexpr OptionRow rows[] = {option<&O::from>({.text = "Unit of lengths before"}),
-                                       option<&O::to>({.text = "Unit of lengths after"})};
+  static constexpr OptionRow rows[] = {
+      option<&O::from>({.text = "Unit of lengths before", .from_data = "that of the input"}),
+      option<&O::to>({.text = "Unit of lengths after"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -243,5 +260,157 @@ const OptionSchema& FlipStep::schema() {
   static constexpr OptionSchema schema{rows};
   return schema;
 }
+
+namespace {
+
+/// A text that is not as it has to be; which step that is, set_option adds.
+ArgumentError step_must_be(const std::string& allowed, const std::string& text) {
+  return ArgumentError(
+      ArgumentFault{.field = {}, .value = "'" + printable(text, 60) + "'", .allowed = allowed, .remedy = {}});
+}
+
+const std::string& text_in(const OptionValue& value) { return std::get<std::string>(value); }
+double real_in(const OptionValue& value) { return std::get<double>(value); }
+std::size_t whole_in(const OptionValue& value) { return static_cast<std::size_t>(std::get<std::int64_t>(value)); }
+
+ConvertStep transform_of(const OptionValue& value, bool inverse) {
+  return TransformStep{.map = read_transform(text_in(value)), .inverse = inverse};
+}
+
+/// "z,90" or "x,y,z,degrees".
+ConvertStep rotation_of(const OptionValue& value) {
+  std::string numbers = text_in(value);
+  constexpr const char* kUnit[] = {"1,0,0", "0,1,0", "0,0,1"};
+  for (std::size_t k = 0; k < 3; ++k)
+    if (numbers.starts_with(std::string{static_cast<char>('x' + k), ','})) numbers.replace(0, 1, kUnit[k]);
+  const auto v = numbers_in(numbers, 4);
+  if (!v) throw step_must_be("an axis (x, y, z, or its three numbers) and degrees: z,90", text_in(value));
+  return RotateStep{.axis = {(*v)[0], (*v)[1], (*v)[2]}, .degrees = (*v)[3]};
+}
+
+ConvertStep scaling_of(const OptionValue& value) {
+  auto v = numbers_in(text_in(value));
+  if (v && v->size() == 1) v->resize(3, v->front());
+  if (!v || v->size() != 3 || std::find(v->begin(), v->end(), 0.0) != v->end())
+    throw step_must_be("a factor, or three with commas between them, none of them 0", text_in(value));
+  return ScaleStep{.factors = {(*v)[0], (*v)[1], (*v)[2]}};
+}
+
+ConvertStep about_of(const OptionValue& value) {
+  if (text_in(value) == "center") return AboutStep{.center = true};
+  const auto v = numbers_in(text_in(value), 3);
+  if (!v) throw step_must_be("x,y,z or center", text_in(value));
+  return AboutStep{.place = Vec3{(*v)[0], (*v)[1], (*v)[2]}};
+}
+
+ConvertStep crop_of(const OptionValue& value, bool inside) {
+  const CropStep step{.box = schema_detail::Field<Box3>::from(value), .inside = inside};
+  const Vec3 &lower = step.box.lower, &upper = step.box.upper;
+  if (!(lower.x <= upper.x && lower.y <= upper.y && lower.z <= upper.z))
+    throw step_must_be("the least x,y,z and the largest x,y,z of a box", option_words(value));
+  return step;
+}
+
+ConvertStep choice_of(const OptionValue& value, bool keep) {
+  return ChooseStep{.names = between_commas(text_in(value)), .keep = keep};
+}
+
+/// The step, which can be done as far as that is known.
+template <auto make>
+constexpr OptionRow step_row(OptionKind kind, const OptionFacts& facts, int count = 1) {
+  return option_step<ConvertStep, [](const OptionValue& value) {
+    ConvertStep step = make(value);
+    validate_step(step);
+    return step;
+  }>(kind, facts, count);
+}
+
+constexpr OptionRow kStepRows[] = {
+    step_row<[](const OptionValue& v) { return transform_of(v, false); }>(
+        OptionKind::text, {.text = "By the 4 × 4 matrix in this file: 4 rows of 4 numbers, or JSON",
+                           .unit = "file",
+                           .name = "transform"}),
+    step_row<[](const OptionValue& v) { return transform_of(v, true); }>(
+        OptionKind::text, {.text = "By the inverse of such a matrix", .unit = "file", .name = "inverse_transform"}),
+    step_row<[](const OptionValue& v) -> ConvertStep { return TranslateStep{schema_detail::Field<Vec3>::from(v)}; }>(
+        OptionKind::numbers, {.text = "By x,y,z; loses no digit, however far", .unit = "length", .name = "translate"},
+        3),
+    step_row<[](const OptionValue&) -> ConvertStep { return CenterStep{}; }>(
+        OptionKind::flag, {.text = "The middle of the box around everything to 0,0,0", .name = "center"}),
+    step_row<rotation_of>(
+        OptionKind::text,
+        {.text = "About an axis, counter-clockwise: z,90 or x,y,z,degrees", .unit = "axis,degrees", .name = "rotate"}),
+    step_row<scaling_of>(OptionKind::text,
+                         {.text = "By a factor, or by one for each axis (negative ones mirror, and turn faces over)",
+                          .unit = "factor",
+                          .name = "scale"}),
+    step_row<about_of>(
+        OptionKind::text,
+        {.text = "What stays where it is by `rotate` and `scale` after this: x,y,z or center, the middle of the box as "
+                 "it then is",
+         .unit = "place",
+         .from_data = "0,0,0",
+         .name = "about"}),
+    step_row<[](const OptionValue& v) -> ConvertStep { return AxesStep{text_in(v)}; }>(
+        OptionKind::text,
+        {.text = "Which axes the new x, y and z are: y,x,z swaps two (a mirror image), x,-z,y turns y up into z up",
+         .unit = "axes",
+         .name = "new_axes",
+         .old_name = "axes"}),
+    step_row<[](const OptionValue& v) -> ConvertStep { return UpStep{static_cast<StepUp>(whole_in(v))}; }>(
+        OptionKind::choice, {.text = "z: what pointed up along y points up along z; y: the other way",
+                             .unit = "axis",
+                             .choices = kUpAxes,
+                             .name = "up"}),
+    step_row<[](const OptionValue& v) -> ConvertStep { return UnitStep{.from = {}, .to = text_in(v)}; }>(
+        OptionKind::text, {.text = "Of the output's lengths", .unit = "unit", .name = "to_unit", .needs = "unit"}),
+    step_row<[](const OptionValue& v) { return crop_of(v, true); }>(
+        OptionKind::numbers,
+        {.text = "Only what lies in this box; meshes are cut along it",
+         .unit = "length",
+         .name = "box",
+         .old_name = "crop"},
+        6),
+    step_row<[](const OptionValue& v) { return crop_of(v, false); }>(
+        OptionKind::numbers,
+        {.text = "Only what lies outside of this box", .unit = "length", .name = "outside_box", .old_name = "crop_out"},
+        6),
+    step_row<[](const OptionValue& v) -> ConvertStep { return SpacingStep{real_in(v)}; }>(
+        OptionKind::real,
+        {.text =
+             "Fewer points: no two closer than this, and none missing that would be farther from all (Poisson discs)",
+         .unit = "length",
+         .range = positive(),
+         .name = "point_spacing",
+         .old_name = "spacing"}),
+    step_row<[](const OptionValue& v) -> ConvertStep { return CountStep{whole_in(v)}; }>(
+        OptionKind::whole, {.text = "Fewer points: so many, drawn by chance (always the same ones)",
+                            .range = kSome,
+                            .name = "point_count",
+                            .old_name = "count"}),
+    step_row<[](const OptionValue& v) -> ConvertStep { return EveryStep{whole_in(v)}; }>(
+        OptionKind::whole, {.text = "Fewer points: the first of every so many", .range = kSome, .name = "every"}),
+    step_row<[](const OptionValue& v) { return choice_of(v, true); }>(
+        OptionKind::text, {.text = "Of normals, colors and attributes only these, with commas between them",
+                           .unit = "names",
+                           .name = "keep"}),
+    step_row<[](const OptionValue& v) { return choice_of(v, false); }>(
+        OptionKind::text, {.text = "All but these", .unit = "names", .name = "drop"}),
+    step_row<[](const OptionValue& v) -> ConvertStep { return WeldStep{real_in(v)}; }>(
+        OptionKind::real,
+        {.text = "Vertices (or points) no farther than this from each other become one; 0: those at the same place",
+         .unit = "length",
+         .range = at_least(0),
+         .name = "weld"}),
+    step_row<[](const OptionValue&) -> ConvertStep { return FlipStep{}; }>(
+        OptionKind::flag, {.text = "Turn faces over, and normals around", .name = "flip"}),
+    step_row<[](const OptionValue&) -> ConvertStep { return FlipStep{.faces = true, .normals = false}; }>(
+        OptionKind::flag, {.text = "Turn faces over, and leave normals", .name = "flip_faces"}),
+    step_row<[](const OptionValue&) -> ConvertStep { return FlipStep{.faces = false, .normals = true}; }>(
+        OptionKind::flag, {.text = "Turn normals around, and leave faces", .name = "flip_normals"})};
+
+}  // namespace
+
+std::span<const OptionRow> convert_step_rows() { return kStepRows; }
 
 }  // namespace sansmesh::inline v1

@@ -146,12 +146,36 @@ CurvatureResult curvature(PointSet points, const CurvatureMapOptions& options, P
   CurvatureResult result;
   CurvatureReport& r = result.report;
   CurvedInput made = curvatures_of(std::move(points), options.estimation, progress, result.notes);
+  r.color_by = options.color_by;
   r.mesh = made.is_mesh();
   r.noise = made.noise;
   add_curvature_attributes(made);
   show_curvature(made, options, r);
   result.points = std::move(made.points);
   return result;
+}
+
+namespace {
+
+constexpr ReportRow kCurvatureReportRows[] = {
+    reported<&CurvatureReport::noise>({.text = "Noise of the samples", .unit = "length"}),
+    reported<&CurvatureReport::undefined>({.text = "Samples without enough neighbours: zero"}),
+    reported<&CurvatureReport::color_by>({.text = "Quantity that is shown", .choices = kCurvatureWords}),
+    reported<&CurvatureReport::q05>(
+        {.name = "quantiles.q05", .text = "5 % of its values are below", .unit = "1/length, of gaussian 1/length²"}),
+    reported<&CurvatureReport::median>({.name = "quantiles.median",
+                                        .text = "Half of its values are below",
+                                        .unit = "1/length, of gaussian 1/length²"}),
+    reported<&CurvatureReport::q95>(
+        {.name = "quantiles.q95", .text = "95 % of its values are below", .unit = "1/length, of gaussian 1/length²"}),
+    reported<&CurvatureReport::color_range>(
+        {.text = "Value that gets the full colour", .unit = "1/length, of gaussian 1/length²"})};
+
+}  // namespace
+
+const ReportSchema& CurvatureReport::schema() {
+  static constexpr ReportSchema schema{kCurvatureReportRows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

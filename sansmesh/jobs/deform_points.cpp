@@ -50,10 +50,10 @@ void add_mesh_notes(const DeformReport& r, bool mesh, const std::string& name, s
          fmt::format("{} stay where they are: the map is not defined there", number_of(r.undefined, mesh)));
   if (r.turned > 0)
     note("turned", fmt::format("{} of {} lie where space is folded", grouped(r.turned), number_of(r.vertices, mesh)));
-  if (r.cut.unopened > 0)
+  if (r.cut && r.cut->unopened > 0)
     note("uncut", fmt::format("{} stayed whole where a cut passes: it does so in too many places",
-                              counted(r.cut.unopened, "triangle")));
-  if (r.cut.unclosed > 0)
+                              counted(r.cut->unopened, "triangle")));
+  if (r.cut && r.cut->unclosed > 0)
     note("cut_open", "the mesh stays open along a cut: faces are made along half-planes and polygons only");
 }
 
@@ -77,7 +77,7 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
     progress.begin("open");
     OpenMeshOptions open;
     open.close = !options.cut_open && measure_topology(opened).closed();
-    opened = open_along_cuts(std::move(opened), deformation.cuts(), open, &r.cut);
+    opened = open_along_cuts(std::move(opened), deformation.cuts(), open, &r.cut.emplace());
   }
   FoldWatch folds;
   for (int k = 0; k < options.poses(); ++k) {

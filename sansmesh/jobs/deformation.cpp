@@ -100,4 +100,32 @@ std::string Deformation::words() const {
                      cuts().empty() ? "" : ", " + counted(cuts().size(), "cut"));
 }
 
+namespace {
+
+constexpr ReportRow kDeformationRows[] = {
+    reported<[](const Deformation& r) { return told_if(!r.has_handles(), r.name()); }>(
+        {.name = "map", .text = "File of the map of displacements"}),
+    reported<[](const Deformation& r) { return told_if(r.has_handles(), r.handles_at(0).size()); }>(
+        {.name = "handles", .text = "Handles"}),
+    reported<[](const Deformation& r) { return told_if(r.has_handles(), r.name()); }>(
+        {.name = "file", .text = "File of the handles"}),
+    reported<[](const Deformation& r) { return told_if(r.has_handles(), std::string(kind_word(r.options().kind))); }>(
+        {.name = "kind", .text = "Kind of the deformation"}),
+    reported<[](const Deformation& r) {
+      return told_if(r.has_handles() && r.options().kind == DeformationKind::nonlinear, r.options().degree);
+    }>({.name = "degree", .text = "Degree of its polynomials"}),
+    reported<[](const Deformation& r) { return told_if(r.has_handles(), r.options().alpha); }>(
+        {.name = "alpha", .text = "Exponent of the weights"}),
+    reported<[](const Deformation& r) { return told_if(!r.cuts().empty(), r.cuts().size()); }>(
+        {.name = "cuts", .text = "Cuts"}),
+    reported<[](const Deformation& r) { return told_if(!r.cuts().empty(), r.options().damping); }>(
+        {.name = "damping", .text = "Damping of what crosses cuts"})};
+
+}  // namespace
+
+const ReportSchema& Deformation::schema() {
+  static constexpr ReportSchema schema{kDeformationRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

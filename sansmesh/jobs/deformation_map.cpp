@@ -5,8 +5,11 @@
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/map_stretch.h"
+#include "sansmesh/io.h"
+#include "sansmesh/io/write_volume.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/with_name.h"
+#include "sansmesh/measure/section_text.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -46,11 +49,76 @@ DeformationMapResult deformation_map(const Deformation& deformation, const Box3&
   return result;
 }
 
+void write_pose(const std::string& file, const DeformedPose& pose, bool ascii, const std::string& unit) {
+  struct Write {
+    const std::string& file;
+    bool ascii;
+    const std::string& unit;
+
+    void operator()(const PointSet& points) const { write_points(file, points, {ascii}); }
+    void operator()(const TriangleMesh& mesh) const { write_mesh(file, mesh, {ascii}); }
+    void operator()(const std::vector<Section>& sections) const {
+      write_text(file, file.ends_with(".svg") ? section_svg(sections, {.unit = unit}) : section_csv(sections));
+    }
+    void operator()(const GridBlock& block) const { write_volume(file, block); }
+    void operator()(const DeformedPicture& picture) const { write_image(file, picture.image); }
+  };
+  std::visit(Write{file, ascii, unit}, pose);
+}
+
 Box3 bounds_of(const PointSet& points) {
   Box3 box;
   for (const Vec3f& p : points.positions)
     if (is_finite(p)) box.extend(points.origin + Vec3(p));
   return box;
+}
+
+namespace {
+
+constexpr ReportRow kDeformReportRows[] = {
+    reported_beside<&DeformReport::folds>(),
+    reported<[](const DeformReport& r) { return told_if(r.vertices > 0, r.vertices); }>(
+        {.name = "vertices", .text = "Vertices or points"}),
+    reported<[](const DeformReport& r) { return told_if(r.vertices > 0, r.triangles); }>(
+        {.name = "triangles", .text = "Triangles"}),
+    reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.added); }>(
+        {.name = "added", .text = "Triangles that were added where edges bend"}),
+    reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.turned); }>(
+        {.name = "turned", .text = "Vertices at which space is turned inside out"}),
+    reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.undefined); }>(
+        {.name = "undefined", .text = "Vertices that stay, since the map is not defined there"}),
+    reported<&DeformReport::cut>({.text = "How a mesh was opened along cuts"}),
+    reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->components) : std::nullopt; }>(
+        {.name = "components", .text = "Connected parts, of solids"}),
+    reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->closed) : std::nullopt; }>(
+        {.name = "closed", .text = "Whether the mesh is closed, of solids"}),
+    reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->cell) : std::nullopt; }>(
+        {.name = "cell", .text = "Edge of the smallest blocks, of solids", .unit = "length"}),
+    reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->area) : std::nullopt; }>(
+        {.name = "area", .text = "Area, of solids", .unit = "length²"}),
+    reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->volume) : std::nullopt; }>(
+        {.name = "volume", .text = "Volume, of solids", .unit = "length³"}),
+    reported<&DeformReport::sections>({.text = "Sections"}),
+    reported<[](const DeformReport& r) { return told_if(r.size[0] > 0, r.size); }>(
+        {.name = "size", .text = "Points of the lattice along its axes, of volumes"}),
+    reported<[](const DeformReport& r) { return told_if(r.size[0] > 0, r.inside); }>(
+        {.name = "inside", .text = "Share of these in the volume", .unit = "share"}),
+    reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.rays); }>(
+        {.name = "rays", .text = "Rays, of pictures of volumes"}),
+    reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.evaluations); }>(
+        {.name = "evaluations", .text = "Evaluations for these"})};
+
+}  // namespace
+
+const ReportSchema& DeformableVolume::schema() {
+  static constexpr ReportRow rows[] = {reported<&DeformableVolume::arrays>({.text = "Arrays"})};
+  static constexpr ReportSchema schema{rows};
+  return schema;
+}
+
+const ReportSchema& DeformReport::schema() {
+  static constexpr ReportSchema schema{kDeformReportRows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

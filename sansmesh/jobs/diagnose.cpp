@@ -49,6 +49,7 @@ std::string ListedPlace::worst_words() const {
 
 DiagnoseResult diagnose(const SurfaceFunction& function, const DiagnoseOptions& options, Progress& progress) {
   DiagnoseResult result;
+  result.fits = function.fitted().field.report().functions;
   result.diagnosis = diagnose_function(function.fitted(), options, progress);
   result.places = listed_places(result.diagnosis);
   result.edits = result.diagnosis.edits();
@@ -72,6 +73,60 @@ std::vector<Image> draw_places(const DiagnoseResult& made, RenderOptions options
                                 options, progress));
   if (sheet && !pictures.empty()) pictures = {contact_sheet(pictures)};
   return pictures;
+}
+
+namespace {
+
+constexpr ReportRow kListedPlaceRows[] = {
+    reported<&ListedPlace::number>({.text = "Number in the list"}),
+    reported<[](const ListedPlace& r) { return suspicion_name(r.place.kind); }>(
+        {.name = "kind", .text = "What is suspicious"}),
+    reported<[](const ListedPlace& r) { return r.place.position; }>(
+        {.name = "at", .text = "Middle of the place", .unit = "length"}),
+    reported<[](const ListedPlace& r) { return r.place.normal; }>(
+        {.name = "normal", .text = "Normal of the surface there"}),
+    reported<[](const ListedPlace& r) { return r.place.radius; }>(
+        {.name = "radius", .text = "Radius of a ball around the place", .unit = "length"}),
+    reported<[](const ListedPlace& r) { return r.place.supports; }>(
+        {.name = "fits", .text = "Local fits that are concerned"}),
+    reported<[](const ListedPlace& r) { return r.place.worst; }>(
+        {.name = "worst", .text = "Coverage, error, area or gradient that is worst"}),
+    reported<[](const ListedPlace& r) { return r.place.edit.has_value(); }>(
+        {.name = "edit", .text = "Whether there is an edit that may mend it"}),
+    reported<&ListedPlace::step>({.text = "Number of that edit in the script"})};
+
+}  // namespace
+
+const ReportSchema& ListedPlace::schema() {
+  static constexpr ReportSchema schema{kListedPlaceRows};
+  return schema;
+}
+
+namespace {
+
+ReportCounts counted_kinds(const DiagnoseResult& made) {
+  ReportCounts counts;
+  for (std::size_t k = 0; k < kSuspicions; ++k)
+    counts.emplace_back(suspicion_name(static_cast<Suspicion>(k)), static_cast<std::int64_t>(made.diagnosis.found[k]));
+  return counts;
+}
+
+constexpr ReportRow kDiagnoseResultRows[] = {
+    reported<&DiagnoseResult::fits>({.name = "input.fits", .text = "Local fits of the function"}),
+    reported<[](const DiagnoseResult& r) { return r.diagnosis.error_above; }>(
+        {.name = "error_above", .text = "Error from which on a place is suspicious", .unit = "length"}),
+    reported<[](const DiagnoseResult& r) { return r.diagnosis.largest_gradient; }>(
+        {.name = "largest_gradient", .text = "Largest gradient around the surface"}),
+    reported<[](const DiagnoseResult& r) { return counted_kinds(r); }>(
+        {.name = "found", .text = "Places of each kind, those beyond the list among them"}),
+    reported<[](const DiagnoseResult& r) { return r.edits.size(); }>({.name = "script.edits", .text = "Edits to try"}),
+    reported<&DiagnoseResult::places>({.text = "Places of each kind, the largest first"})};
+
+}  // namespace
+
+const ReportSchema& DiagnoseResult::schema() {
+  static constexpr ReportSchema schema{kDiagnoseResultRows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

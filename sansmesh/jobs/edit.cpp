@@ -5,8 +5,10 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function/mesh_function.h"
@@ -53,6 +55,48 @@ EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_m
     throw DataError(input.name + ": after the edits: " + error.what());
   }
   return result;
+}
+
+namespace {
+
+constexpr ReportRow kEditedFunctionRows[] = {
+    reported<&EditedFunction::steps>({.text = "Edits, one after the other"}),
+    reported<[](const EditedFunction& r) { return r.function.fitted().field.report().functions; }>(
+        {.name = "output.fits", .text = "Local fits of the function"}),
+    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.mesh.triangles.size()); }>(
+        {.name = "mesh.triangles", .text = "Triangles of the mesh, if one was made"}),
+    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update.local); }>(
+        {.name = "mesh.local", .text = "Whether only parts of the mesh were made anew"}),
+    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update.removed); }>(
+        {.name = "mesh.removed", .text = "Triangles that were removed"}),
+    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update.added); }>(
+        {.name = "mesh.added", .text = "Triangles that were added"}),
+    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update.regions); }>(
+        {.name = "mesh.regions", .text = "Separate regions that were made anew"}),
+    reported<[](const EditedFunction& r) { return told_if(!r.update.why.empty(), r.update.why); }>(
+        {.name = "mesh.why", .text = "Reason for which all of the mesh was made anew"})};
+
+}  // namespace
+
+const ReportSchema& EditedFunction::schema() {
+  static constexpr ReportSchema schema{kEditedFunctionRows};
+  return schema;
+}
+
+std::string words_of(const EditReport& r) {
+  if (r.changed.empty()) return r.what;
+  const std::size_t apart = separate_sets(r.regions);
+  return fmt::format("{}, {}within {}", r.what, apart > 1 ? fmt::format("in {} regions ", grouped(apart)) : "",
+                     size_words(r.changed.size()));
+}
+
+std::string words_of(const MeshUpdate& update, std::size_t triangles) {
+  if (!update.local) return ", all made anew: " + update.why;
+  if (update.regions == 0) return ", as they were";
+  const double kept = 1 - static_cast<double>(update.added) / static_cast<double>(triangles);
+  return fmt::format(", of which {} are new{}; {:.1f} % kept", grouped(update.added),
+                     update.regions > 1 ? fmt::format(", in {} regions", grouped(update.regions)) : std::string(),
+                     std::floor(1000 * kept) / 10);
 }
 
 }  // namespace sansmesh::inline v1

@@ -29,8 +29,8 @@ void add_stray_note(const HoleLoops& found, std::vector<Note>& notes) {
 /// The widest of the openings that stay, and what closes it.
 Note ends_note(const FillReport& r) {
   double widest = 0;
-  for (std::size_t i = 0; i < r.outcome.size(); ++i)
-    if (r.outcome[i] == FillReport::Outcome::end) widest = std::max(widest, r.found.loops[i].diameter);
+  for (const HoleLoop& hole : r.found.loops)
+    if (hole.outcome == HoleOutcome::end) widest = std::max(widest, hole.diameter);
   const char* const them = r.ends == 1 ? "it" : "them";
   return {.code = "ends",
           .text = fmt::format("{} open: the surface runs into {} steeply, as at the end of a tube",
@@ -39,10 +39,9 @@ Note ends_note(const FillReport& r) {
 }
 
 std::size_t wide_fillings(const FillReport& r) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < r.outcome.size(); ++i)
-    count += r.outcome[i] == FillReport::Outcome::filled && r.found.loops[i].share > kWideShare;
-  return count;
+  return static_cast<std::size_t>(std::count_if(r.found.loops.begin(), r.found.loops.end(), [](const HoleLoop& hole) {
+    return hole.outcome == HoleOutcome::filled && hole.share > kWideShare;
+  }));
 }
 
 }  // namespace
@@ -83,6 +82,48 @@ FillResult fill(TriangleMesh mesh, const FillOptions& options, Progress& progres
     note("seams", fmt::format("{} at the same place as another, with other colours or attributes: seams, but no holes",
                               places.seams == 1 ? "1 vertex is" : grouped(places.seams) + " vertices are"));
   return result;
+}
+
+namespace {
+
+constexpr ReportRow kHolesResultRows[] = {
+    reported<&HolesResult::triangles>({.name = "input.triangles", .text = "Triangles of the mesh"}),
+    reported<&HolesResult::joined_vertices>(
+        {.name = "input.joined_vertices", .text = "Vertices at the same place as another"}),
+    reported_beside<&HolesResult::holes>()};
+
+}  // namespace
+
+const ReportSchema& HolesResult::schema() {
+  static constexpr ReportSchema schema{kHolesResultRows};
+  return schema;
+}
+
+namespace {
+
+constexpr ReportRow kFillResultRows[] = {
+    reported<&FillResult::triangles>({.name = "input.triangles", .text = "Triangles of the original"}),
+    reported<&FillResult::joined_vertices>(
+        {.name = "input.joined_vertices", .text = "Vertices at the same place as another"}),
+    reported_beside<&FillResult::report>()};
+
+}  // namespace
+
+const ReportSchema& FillResult::schema() {
+  static constexpr ReportSchema schema{kFillResultRows};
+  return schema;
+}
+
+std::vector<std::string> summary_of(const HoleLoops& holes, std::size_t most) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < std::min(most, holes.loops.size()); ++i) {
+    const HoleLoop& h = holes.loops[i];
+    const std::string_view word = h.outcome ? kOutcomeWords[static_cast<std::size_t>(*h.outcome)] : "";
+    lines.push_back(fmt::format("{:>6} edges, diameter {:<9} ({:.0f} % of its piece), perimeter {:<9} at {}{}{}",
+                                grouped(h.vertices.size()), length_words(h.diameter), 100 * h.share,
+                                length_words(h.perimeter), place_words(h.middle), word.empty() ? "" : ": ", word));
+  }
+  return lines;
 }
 
 }  // namespace sansmesh::inline v1

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "sansmesh/function/fitted_function.h"
+#include "sansmesh/points/orient_words.h"
 #include "sansmesh/points/prepare_cloud.h"
 
 namespace sansmesh::inline v1 {
@@ -16,6 +17,19 @@ FitFunctionResult fit_function(PointSet points, const FitFunctionOptions& option
   std::vector<Note> notes;
   add_notes(notes, "preparation", function.warnings);
   return {SurfaceFunction(std::move(function)), std::move(report), std::move(notes)};
+}
+
+const ReportSchema& FitFunctionReport::schema() {
+  static constexpr ReportRow rows[] = {
+      reported<&FitFunctionReport::estimated_normals>(
+          {.name = "normals.estimated", .text = "Whether normals were estimated"}),
+      reported<&FitFunctionReport::oriented_by>({.name = "normals.oriented_by",
+                                                 .text = "From what normals got their signs; nothing: from the input",
+                                                 .choices = kOrientByWords}),
+      reported<[](const FitFunctionReport& r) { return told_if(!r.alignment.empty(), r.alignment); }>(
+          {.name = "alignment", .text = "How scans were aligned, in words"})};
+  static constexpr ReportSchema schema{rows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

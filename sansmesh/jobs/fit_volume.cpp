@@ -55,4 +55,17 @@ void write_fit(const std::string& file, const FitVolumeResult& fit) {
   write_volume_file(file, *fit.fitted);
 }
 
+namespace {
+
+constexpr ReportRow kFitVolumeReportRows[] = {
+    reported<&FitVolumeReport::by_degree>({.text = "Polynomials of each degree"}),
+    reported<&FitVolumeReport::samples>({.name = "output.samples", .text = "Samples"})};
+
+}  // namespace
+
+const ReportSchema& FitVolumeReport::schema() {
+  static constexpr ReportSchema schema{kFitVolumeReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

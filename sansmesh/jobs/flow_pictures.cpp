@@ -336,4 +336,19 @@ FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions
   return pictures.result();
 }
 
+namespace {
+
+constexpr ReportRow kFlowPicturesResultRows[] = {
+    reported<&FlowPicturesResult::surface>({.text = "Surface that was traced"}),
+    reported<&FlowPicturesResult::width>({.name = "output.width", .text = "Width of each picture", .unit = "pixels"}),
+    reported<&FlowPicturesResult::height>(
+        {.name = "output.height", .text = "Height of each picture", .unit = "pixels"})};
+
+}  // namespace
+
+const ReportSchema& FlowPicturesResult::schema() {
+  static constexpr ReportSchema schema{kFlowPicturesResultRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

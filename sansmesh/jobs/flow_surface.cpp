@@ -8,6 +8,7 @@
 #include "sansmesh/flow.h"
 #include "sansmesh/flow/flow_surface.h"
 #include "sansmesh/jobs/flow_model.h"
+#include "sansmesh/mesh/mesh_size.h"
 
 namespace sansmesh::inline v1 {
 
@@ -40,6 +41,7 @@ TraceSurfaceResult trace_surface(const FlowModel& flow, const TraceSurfaceOption
   const auto note = [&](const char* code, std::string text, const char* remedy = "") {
     result.notes.push_back({.code = code, .text = std::move(text), .remedy = remedy, .of = flow.source()});
   };
+  result.area = measure_size(result.surface.mesh).area;
   const FlowSurfaceReport& r = result.surface.report;
   if (!r.complete && r.moments_meet)
     note("moments_meet", "ended where fronts are so near in time that their moments are the same number",
@@ -50,6 +52,20 @@ TraceSurfaceResult trace_surface(const FlowModel& flow, const TraceSurfaceOption
     note("outside",
          fmt::format("{} of {} began outside of the flow", grouped(outside), counted(r.particles, "particle")));
   return result;
+}
+
+namespace {
+
+constexpr ReportRow kTraceSurfaceResultRows[] = {
+    reported<[](const TraceSurfaceResult& r) { return r.surface.report; }>(
+        {.name = "surface", .text = "Surface that was traced"}),
+    reported<&TraceSurfaceResult::area>({.text = "Area of its mesh", .unit = "length²"})};
+
+}  // namespace
+
+const ReportSchema& TraceSurfaceResult::schema() {
+  static constexpr ReportSchema schema{kTraceSurfaceResultRows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

@@ -6,15 +6,19 @@
 #include "sansmesh/points/given_normals.h"
 #include "sansmesh/points/noise.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
 #include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/mesh/topology_words.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/duplicates.h"
+#include "sansmesh/points/orient_words.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/point_classes.h"
 #include "sansmesh/points/spacing.h"
@@ -56,9 +60,9 @@ std::optional<std::pair<double, double>> range_of(const Attribute& a, std::size_
   return range;
 }
 
-void describe(const AttributeTable& table, bool of_triangles, std::vector<AttributeInfo>& described) {
+void describe(const AttributeTable& table, std::string_view of, std::vector<AttributeInfo>& described) {
   for (const Attribute& a : table) {
-    AttributeInfo info{a.name, of_triangles, a.type(), {}};
+    AttributeInfo info{a.name, of, a.type(), {}};
     for (std::size_t c = 0; c < a.components; ++c) info.ranges.push_back(range_of(a, c));
     described.push_back(std::move(info));
   }
@@ -81,8 +85,8 @@ CloudInfo info(const PointSet& points, Progress& progress) {
   info.orient_by = first_known_orientation(points, info.noise.deviation);
   info.colors = points.has_colors();
   info.scanners = points.scanners.size();
-  describe(points.attributes, false, info.attributes);
-  describe(points.triangle_attributes, true, info.attributes);
+  describe(points.attributes, "point", info.attributes);
+  describe(points.triangle_attributes, "triangle", info.attributes);
   if (const Attribute* const classes = find_point_classes(points)) info.classes = count_point_classes(*classes);
   info.triangles = points.triangles.size();
   if (info.triangles > 0) info.mesh = sewn_topology(to_mesh(points));
@@ -109,6 +113,179 @@ FunctionInfo info(const SurfaceFunction& told) {
   info.history = function.history;
   info.paper = function.paper;
   return info;
+}
+
+namespace {
+
+constexpr ReportRow kFunctionInfoRows[] = {
+    reported<&FunctionInfo::fits>({.text = "Local fits"}),
+    reported<&FunctionInfo::fits_of_degree>({.text = "Local fits of degree 0 to 4"}),
+    reported<&FunctionInfo::creased>({.text = "Local fits with a crease"}),
+    reported<&FunctionInfo::open_share>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
+    reported<&FunctionInfo::behind>(
+        {.name = "winding_number_behind", .text = "Mean winding number behind the samples"}),
+    reported<&FunctionInfo::depth>({.text = "Deepest level of the tree"}),
+    reported<&FunctionInfo::samples>({.text = "Samples that were kept"}),
+    reported<&FunctionInfo::spacing>({.text = "Spacing of the samples", .unit = "length"}),
+    reported<&FunctionInfo::deviation>(
+        {.text = "Root mean square distance of the samples from the surface", .unit = "length"}),
+    reported<&FunctionInfo::accuracy>({.text = "Expected error of the surface", .unit = "length"}),
+    reported<&FunctionInfo::cube>({.text = "Corners of the cube of the tree", .unit = "length"}),
+    reported<&FunctionInfo::paper>({.text = "How blocks came to be, of fits as the sources have them"}),
+    reported<&FunctionInfo::history>({.text = "Edits that were made"})};
+
+}  // namespace
+
+const ReportSchema& FunctionInfo::schema() {
+  static constexpr ReportSchema schema{kFunctionInfoRows};
+  return schema;
+}
+
+namespace {
+
+std::vector<std::optional<double>> ends_of(const AttributeInfo& info, bool upper) {
+  std::vector<std::optional<double>> ends;
+  for (const auto& range : info.ranges)
+    ends.push_back(range ? std::optional(upper ? range->second : range->first) : std::nullopt);
+  return ends;
+}
+
+constexpr ReportRow kAttributeInfoRows[] = {
+    reported<[](const AttributeInfo& r) { return printable(r.name); }>({.name = "name", .text = "Name"}),
+    reported<&AttributeInfo::of>({.text = "What has it: point, triangle or cell"}),
+    reported<[](const AttributeInfo& r) { return name_of(r.type); }>({.name = "type", .text = "Type of its numbers"}),
+    reported<[](const AttributeInfo& r) { return r.ranges.size(); }>({.name = "components", .text = "Numbers of each"}),
+    reported<[](const AttributeInfo& r) { return ends_of(r, false); }>(
+        {.name = "lower", .text = "Least number of each component"}),
+    reported<[](const AttributeInfo& r) { return ends_of(r, true); }>(
+        {.name = "upper", .text = "Largest number of each component"}),
+    reported<&AttributeInfo::not_finite>({.text = "Numbers that are not finite, of arrays of volumes"})};
+
+}  // namespace
+
+const ReportSchema& AttributeInfo::schema() {
+  static constexpr ReportSchema schema{kAttributeInfoRows};
+  return schema;
+}
+
+namespace {
+
+std::optional<ReportCounts> counted_classes(const CloudInfo& info) {
+  if (!info.classes) return std::nullopt;
+  ReportCounts counts;
+  for (std::size_t c = 0; c < info.classes->size(); ++c)
+    if (const std::size_t count = (*info.classes)[c]; count > 0)
+      counts.emplace_back(std::to_string(c), static_cast<std::int64_t>(count));
+  return counts;
+}
+
+constexpr ReportRow kCloudInfoRows[] = {
+    reported<&CloudInfo::points>({.text = "Points or vertices"}),
+    reported<&CloudInfo::duplicates>({.text = "Points in the place of another"}),
+    reported<[](const CloudInfo& r) { return r.box.lower; }>(
+        {.name = "lower", .text = "Lower corner of the box", .unit = "length"}),
+    reported<[](const CloudInfo& r) { return r.box.upper; }>(
+        {.name = "upper", .text = "Upper corner of the box", .unit = "length"}),
+    reported<&CloudInfo::spans>({.text = "Shape of all in words"}),
+    reported<&CloudInfo::spacing>({.text = "Spacing of the points", .unit = "length"}),
+    reported_beside<&CloudInfo::noise>(),
+    reported<[](const CloudInfo& r) { return r.normals.words; }>({.name = "normals", .text = "Normals, in words"}),
+    reported<&CloudInfo::normals>({.name = "orientation", .text = "How normals are oriented"}),
+    reported<[](const CloudInfo& r) { return orient_by_word(r.orient_by); }>(
+        {.name = "orient_by", .text = "From what normals would get their signs"}),
+    reported<&CloudInfo::colors>({.text = "Whether there are colours"}),
+    reported<&CloudInfo::attributes>({.text = "Attributes"}),
+    reported<&CloudInfo::scanners>({.text = "Scanners whose positions are known"}),
+    reported<&CloudInfo::triangles>({.text = "Triangles of the file"}),
+    reported<&CloudInfo::mesh>({.text = "How triangles hang together, sewn where borders lie on each other"}),
+    reported<[](const CloudInfo& r) { return counted_classes(r); }>(
+        {.name = "classes", .text = "Points of each class, by its number"})};
+
+}  // namespace
+
+const ReportSchema& CloudInfo::schema() {
+  static constexpr ReportSchema schema{kCloudInfoRows};
+  return schema;
+}
+
+namespace {
+
+/// How many points there are of each class.
+std::string classes_words(const CloudInfo& made) {
+  std::string text;
+  for (unsigned c = 0; made.classes && c < made.classes->size(); ++c) {
+    if ((*made.classes)[c] == 0) continue;
+    const std::string_view name = point_class_name(c);
+    text += fmt::format("{}{}{}: {}", text.empty() ? "" : ", ", c, name.empty() ? "" : fmt::format(" {}", name),
+                        grouped((*made.classes)[c]));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string box_words(const Box3& box) {
+  const auto& [lower, upper] = box;
+  return fmt::format("from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", lower.x, lower.y, lower.z,
+                     upper.x, upper.y, upper.z);
+}
+
+std::string array_words(const AttributeInfo& a) {
+  constexpr std::size_t kMostRanges = 9;
+  const int digits = a.type == NumberType::f32 ? 6 : 10;  // times of surveys differ in the last ones
+  std::string ranges;
+  for (std::size_t c = 0; c < std::min(kMostRanges, a.ranges.size()); ++c) {
+    const auto& range = a.ranges[c];
+    ranges += c > 0 ? ", " : "";
+    ranges += range ? fmt::format("{:.{}g} to {:.{}g}", range->first, digits, range->second, digits) : "no numbers";
+  }
+  if (a.ranges.size() > kMostRanges) ranges += ", …";
+  if (a.not_finite.value_or(0) > 0) ranges += fmt::format("; {} not finite", counted(*a.not_finite, "number"));
+  return fmt::format("{} ({}{} a {}): {}", printable(a.name, 80), name_of(a.type),
+                     a.ranges.size() > 1 ? fmt::format(" × {}", a.ranges.size()) : "", a.of, ranges);
+}
+
+std::vector<std::string> summary_of(const CloudInfo& made) {
+  std::vector<std::string> lines;
+  const auto line = [&](const char* title, const std::string& text) { lines.push_back(titled(title, text, 12)); };
+  line("points",
+       fmt::format(
+           "{}{}", grouped(made.points),
+           made.duplicates > 0 ? fmt::format(", {} of them given twice or more", grouped(made.duplicates)) : ""));
+  line("box", fmt::format("{}, {}", size_words(made.size), box_words(made.box)));
+  line("spans", made.spans);
+  line("spacing", length_words(made.spacing));
+  line("noise", noise_words(made.noise, made.spacing));
+  line("normals",
+       fmt::format("{}{}", made.normals.words,
+                   made.normals.oriented ? "" : fmt::format("; signs {}", orientation_words(made.orient_by))));
+  if (made.colors || made.scanners > 0)
+    line("also", fmt::format("{}{}{}", made.colors ? "colours" : "", made.colors && made.scanners > 0 ? ", " : "",
+                             made.scanners > 0 ? counted(made.scanners, "scanner position") : ""));
+  for (const AttributeInfo& a : made.attributes) line("attribute", array_words(a));
+  if (const std::string classes = classes_words(made); !classes.empty()) line("classes", classes);
+  if (made.mesh)
+    line("faces", fmt::format("{}, {}", counted(made.mesh->triangles, "triangle"), topology_words(*made.mesh)));
+  return lines;
+}
+
+std::vector<std::string> summary_of(const FunctionInfo& made) {
+  std::vector<std::string> lines;
+  const auto line = [&](const char* title, const std::string& text) { lines.push_back(titled(title, text, 12)); };
+  line("fits", fmt::format("{} down to depth {}; of degree 0 to 4: {}", grouped(made.fits), made.depth,
+                           fmt::join(made.fits_of_degree, ", ")));
+  line("creases", counted(made.creased, "fit"));
+  if (made.open_share > 0)
+    line("open",
+         fmt::format("{:.3g} % of the surface bounds no solid and ends with its samples", 100 * made.open_share));
+  line("samples", fmt::format("{}{}", made.samples == 0 ? std::string("not kept") : grouped(made.samples),
+                              made.colors ? ", with colours" : ""));
+  line("cube", box_words(made.cube));
+  line("spacing", length_words(made.spacing));
+  line("deviation", fmt::format("{} (of the samples from it, root mean square)", length_words(made.deviation)));
+  line("accuracy", fmt::format("{} (expected error of the surface)", length_words(made.accuracy)));
+  for (const std::string& edit : made.history) line("edited", edit);
+  return lines;
 }
 
 }  // namespace sansmesh::inline v1

@@ -94,4 +94,17 @@ VolumeIsosurfaceResult isosurface(const VolumeModel& volume, const VolumeIsosurf
   return result;
 }
 
+namespace {
+
+constexpr ReportRow kVolumeIsosurfaceReportRows[] = {
+    reported<&VolumeIsosurfaceReport::value>({.text = "Value of the surface", .unit = "unit of the array"}),
+    reported_beside<&VolumeIsosurfaceReport::mesh>()};
+
+}  // namespace
+
+const ReportSchema& VolumeIsosurfaceReport::schema() {
+  static constexpr ReportSchema schema{kVolumeIsosurfaceReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -132,4 +132,38 @@ IsosurfaceMomentsResult isosurface_moments(const VolumeSeries& series, const Vol
   return result;
 }
 
+namespace {
+
+constexpr ReportRow kIsosurfaceMomentRows[] = {
+    reported<&IsosurfaceMoment::time>({.text = "Time"}),
+    reported<&IsosurfaceMoment::vertices>({.text = "Vertices"}),
+    reported<&IsosurfaceMoment::triangles>({.text = "Triangles"}),
+    reported<&IsosurfaceMoment::components>({.text = "Connected parts"}),
+    reported<&IsosurfaceMoment::closed>({.text = "Whether the mesh is closed"}),
+    reported<&IsosurfaceMoment::area>({.text = "Area", .unit = "length²"}),
+    reported<&IsosurfaceMoment::volume>({.text = "Volume", .unit = "length³"})};
+
+}  // namespace
+
+const ReportSchema& IsosurfaceMoment::schema() {
+  static constexpr ReportSchema schema{kIsosurfaceMomentRows};
+  return schema;
+}
+
+namespace {
+
+constexpr ReportRow kIsosurfaceMomentsReportRows[] = {
+    reported<&IsosurfaceMomentsReport::value>({.text = "Value of the surface", .unit = "unit of the array"}),
+    reported<&IsosurfaceMomentsReport::blocks>({.text = "Blocks in space and time"}),
+    reported<&IsosurfaceMomentsReport::cell>({.text = "Edge of the smallest blocks", .unit = "length"}),
+    reported<&IsosurfaceMomentsReport::time_cell>({.text = "Edge of these in time", .unit = "unit of the times"}),
+    reported<&IsosurfaceMomentsReport::moments>({.name = "frames", .text = "Meshes, one after the other"})};
+
+}  // namespace
+
+const ReportSchema& IsosurfaceMomentsReport::schema() {
+  static constexpr ReportSchema schema{kIsosurfaceMomentsReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -163,4 +163,20 @@ LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& opt
   return drawn;
 }
 
+namespace {
+
+constexpr ReportRow kLinePictureRows[] = {
+    reported<&LinePicture::color_by>({.text = "Array that the colours show"}),
+    reported<&LinePicture::lower>({.text = "Value of the first colour", .unit = "unit of the array"}),
+    reported<&LinePicture::upper>({.text = "Value of the last colour", .unit = "unit of the array"}),
+    reported<&LinePicture::radius>({.text = "Radius of the tubes", .unit = "length"}),
+    reported<&LinePicture::triangles>({.text = "Triangles that were drawn"})};
+
+}  // namespace
+
+const ReportSchema& LinePicture::schema() {
+  static constexpr ReportSchema schema{kLinePictureRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

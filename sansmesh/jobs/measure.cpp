@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -80,6 +81,52 @@ MeasureResult measure(const AnySurface& surface, Progress& progress) {
   result.measures = with_name(surface.name(), [&] { return measure_solid(*mesh); });
   add_measure_notes(result.measures, result.notes);
   return result;
+}
+
+namespace {
+
+constexpr std::size_t kPrintedComponents = 20;
+
+std::string sides(double a, double b, double c) { return fmt::format("{:.6g} × {:.6g} × {:.6g}", a, b, c); }
+
+void add_components(const std::vector<BodyMeasures>& components, std::vector<std::string>& lines) {
+  if (components.size() < 2) return;
+  lines.push_back(fmt::format("{:<10} {:>12} {:>14} {:>14}  {}", "component", "triangles", "area", "volume", "centre"));
+  for (std::size_t i = 0; i < std::min(kPrintedComponents, components.size()); ++i) {
+    const BodyMeasures& b = components[i];
+    lines.push_back(fmt::format("{:<10} {:>12} {:>14.6g} {:>14}  {}", i, grouped(b.triangles), b.area,
+                                b.mass ? fmt::format("{:.6g}", b.mass->volume) : "not closed",
+                                place_words(b.mass ? b.mass->center : b.surface_center)));
+  }
+  if (components.size() > kPrintedComponents)
+    lines.push_back(fmt::format("… {} more", grouped(components.size() - kPrintedComponents)));
+}
+
+}  // namespace
+
+std::vector<std::string> summary_of(const SolidMeasures& m) {
+  const BodyMeasures& w = m.whole;
+  std::vector<std::string> lines;
+  const auto line = [&](const char* title, const std::string& text) { lines.push_back(titled(title, text, 18)); };
+  line("topology", topology_words(m.topology));
+  line("area", fmt::format("{:.8g}", w.area));
+  if (w.mass) {
+    line("volume", fmt::format("{:.8g}", w.mass->volume));
+    line("centre of mass", place_words(w.mass->center));
+    for (std::size_t k = 0; k < 3; ++k)
+      line(k == 0 ? "principal moments" : "",
+           fmt::format("{:.6g} about {}", w.mass->moments[k], place_words(w.mass->axes[k])));
+  } else {
+    line("centre of surface", place_words(w.surface_center));
+  }
+  const Vec3 size = w.box.size();
+  line("box", fmt::format("{} from {} to {}", sides(size.x, size.y, size.z), place_words(w.box.lower),
+                          place_words(w.box.upper)));
+  const OrientedBox& box = m.smallest_box;
+  line("smallest box", fmt::format("{} along {}, {}, {}", sides(box.sizes[0], box.sizes[1], box.sizes[2]),
+                                   place_words(box.axes[0]), place_words(box.axes[1]), place_words(box.axes[2])));
+  add_components(m.components, lines);
+  return lines;
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,3 @@
-#include "sansmesh/motion_pictures.h"
 
 #include <algorithm>
 #include <cmath>

@@ -64,4 +64,24 @@ NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& 
   return result;
 }
 
+namespace {
+
+constexpr ReportRow kNormalsReportRows[] = {
+    reported<&NormalsReport::spacing>({.text = "Spacing of the samples", .unit = "length"}),
+    reported_beside<&NormalsReport::noise>(),
+    reported<&NormalsReport::neighbours>({.text = "Neighbours of each sample, of new normals"}),
+    reported<[](const NormalsReport& r) { return r.check.oriented; }>(
+        {.name = "oriented", .text = "Whether the signs are consistent"}),
+    reported<&NormalsReport::check>({.name = "orientation", .text = "How normals are oriented"}),
+    reported<&NormalsReport::oriented_by>(
+        {.text = "From what the signs were taken; nothing where they were left", .choices = kOrientByWords}),
+    reported<&NormalsReport::unknown>({.text = "Samples without a normal: zero"})};
+
+}  // namespace
+
+const ReportSchema& NormalsReport::schema() {
+  static constexpr ReportSchema schema{kNormalsReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

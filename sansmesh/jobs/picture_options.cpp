@@ -99,20 +99,6 @@ void check_values(const PictureOptions& o) {
 
 }  // namespace
 
-const char* object_word(ObjectKind kind) {
-  switch (kind) {
-    case ObjectKind::mesh:
-      return "mesh";
-    case ObjectKind::points:
-      return "points";
-    case ObjectKind::lines:
-      return "lines";
-    case ObjectKind::function:
-      return "function";
-  }
-  return "";
-}
-
 bool PictureOptions::translucent() const {
   return std::any_of(opacities.begin(), opacities.end(), [](double opacity) { return opacity < 1; });
 }

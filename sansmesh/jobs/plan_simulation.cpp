@@ -226,4 +226,50 @@ SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOp
   return plan;
 }
 
+namespace {
+
+constexpr ReportRow kSimulationPlanRows[] = {
+    reported<[](const SimulationPlan& r) { return r.rest->vertices.size(); }>(
+        {.name = "input.vertices", .text = "Vertices of the body"}),
+    reported<[](const SimulationPlan& r) { return r.rest->tets.size(); }>(
+        {.name = "input.tetrahedra", .text = "Tetrahedra of the body"}),
+    reported<[](const SimulationPlan& r) { return r.scene.fixed.size(); }>(
+        {.name = "scene.fixed", .text = "Vertices that are held"}),
+    reported<[](const SimulationPlan& r) { return r.scene.forces.size(); }>({.name = "scene.forces", .text = "Forces"}),
+    reported<[](const SimulationPlan& r) { return r.scene.handles.size(); }>(
+        {.name = "scene.handles", .text = "Handles"}),
+    reported<[](const SimulationPlan& r) { return r.scene.floors.size(); }>({.name = "scene.floors", .text = "Floors"}),
+    reported<[](const SimulationPlan& r) { return r.scene.spheres.size(); }>(
+        {.name = "scene.spheres", .text = "Spheres"}),
+    reported<&SimulationPlan::unit>({.name = "scene.unit", .text = "Metres of the unit of lengths", .unit = "m"}),
+    reported<[](const SimulationPlan& r) { return r.options.gravity; }>(
+        {.name = "scene.gravity", .text = "Gravity", .unit = "m/s²"}),
+    reported<[](const SimulationPlan& r) { return r.options.model; }>(
+        {.name = "model", .text = "Model of the material", .choices = kModelWords}),
+    reported<[](const SimulationPlan& r) { return r.options.integrator; }>(
+        {.name = "integrator", .text = "Integrator", .choices = kIntegratorWords}),
+    reported<[](const SimulationPlan& r) { return r.options.stiffness; }>(
+        {.name = "stiffness", .text = "Stiffness of springs", .unit = "N/m"}),
+    reported<[](const SimulationPlan& r) { return r.options.damping; }>(
+        {.name = "damping", .text = "Damping of springs", .unit = "N s/m"}),
+    reported<[](const SimulationPlan& r) { return r.options.young; }>(
+        {.name = "young", .text = "Young's modulus", .unit = "Pa"}),
+    reported<[](const SimulationPlan& r) { return r.options.poisson; }>({.name = "poisson", .text = "Poisson's ratio"}),
+    reported<[](const SimulationPlan& r) { return r.options.stiffness_damping; }>(
+        {.name = "stiffness_damping", .text = "Damping of the elastic material", .unit = "s"}),
+    reported<[](const SimulationPlan& r) { return r.options.density; }>(
+        {.name = "density", .text = "Density", .unit = "kg/m³"}),
+    reported<[](const SimulationPlan& r) { return r.options.step; }>(
+        {.name = "step", .text = "Longest step", .unit = "s"}),
+    reported<&SimulationPlan::frames>({.name = "output.frames", .text = "Frames"}),
+    reported<&SimulationPlan::frame_time>(
+        {.name = "output.frame_time", .text = "Time from frame to frame", .unit = "s"})};
+
+}  // namespace
+
+const ReportSchema& SimulationPlan::schema() {
+  static constexpr ReportSchema schema{kSimulationPlanRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -36,10 +36,12 @@ ProbeFunctionResult probe_function(const SurfaceFunction& probed, std::span<cons
   std::vector<Vec3> x(n);
   for (std::size_t i = 0; i < n; ++i) x[i] = function.place.from_input(places[i]);
   ProbeFunctionResult result;
-  result.values.resize(n);
-  level_set_points(function.field, x, kLevelSetStep * function.field.report().spacing, result.values);
+  std::vector<LevelSetPoint> values(n);
+  level_set_points(function.field, x, kLevelSetStep * function.field.report().spacing, values);
+  for (std::size_t i = 0; i < n; ++i) result.values.push_back({values[i], places[i]});
   const double unit = function.place.unit;
   ProbeFunctionReport& r = result.report;
+  r.points = n;
   std::vector<double> size(n);
   for (std::size_t i = 0; i < n; ++i) {
     LevelSetPoint& p = result.values[i];
@@ -59,6 +61,40 @@ std::vector<Vec3> places_of(const PointSet& points) {
   std::vector<Vec3> places(points.size());
   for (std::size_t i = 0; i < places.size(); ++i) places[i] = points.origin + Vec3(points.positions[i]);
   return places;
+}
+
+namespace {
+
+constexpr ReportRow kProbeFunctionReportRows[] = {
+    reported<&ProbeFunctionReport::points>({.text = "Points that were evaluated"}),
+    reported<&ProbeFunctionReport::inside>({.text = "Points inside"}),
+    reported<&ProbeFunctionReport::mean>(
+        {.name = "absolute_value.mean", .text = "Mean of the absolute values", .unit = "length"}),
+    reported<&ProbeFunctionReport::median>(
+        {.name = "absolute_value.median", .text = "Half of the absolute values are below", .unit = "length"}),
+    reported<&ProbeFunctionReport::largest>(
+        {.name = "absolute_value.max", .text = "Largest absolute value", .unit = "length"}),
+    reported<&ProbeFunctionReport::largest_gradient>({.text = "Largest gradient"})};
+
+}  // namespace
+
+const ReportSchema& ProbeFunctionReport::schema() {
+  static constexpr ReportSchema schema{kProbeFunctionReportRows};
+  return schema;
+}
+
+const ReportSchema& ProbedPlace::schema() {
+  static constexpr ReportRow rows[] = {
+      reported<&ProbedPlace::at>({.text = "Place", .unit = "length"}),
+      reported<[](const ProbedPlace& r) { return r.value; }>(
+          {.name = "value", .text = "Value, about the distance from the surface", .unit = "length"}),
+      reported<[](const ProbedPlace& r) { return r.gradient; }>({.name = "gradient", .text = "Gradient"}),
+      reported<[](const ProbedPlace& r) { return r.k1; }>(
+          {.name = "k1", .text = "Larger principal curvature of the level set", .unit = "1/length"}),
+      reported<[](const ProbedPlace& r) { return r.k2; }>(
+          {.name = "k2", .text = "Smaller principal curvature of the level set", .unit = "1/length"})};
+  static constexpr ReportSchema schema{rows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

@@ -72,4 +72,35 @@ std::string probe_table(const ProbeResult& p) {
   return text;
 }
 
+namespace {
+
+constexpr ReportRow kProbeReportRows[] = {reported<&ProbeReport::inside>({.text = "Points in the volume"})};
+
+}  // namespace
+
+const ReportSchema& ProbeReport::schema() {
+  static constexpr ReportSchema schema{kProbeReportRows};
+  return schema;
+}
+
+std::vector<ProbedValue> probed_values(const ProbeResult& p) {
+  std::vector<ProbedValue> values;
+  const std::size_t components = p.names.size();
+  for (std::size_t k = 0; k < p.values.size(); ++k)
+    values.push_back({p.points[k / components], p.names[k % components], p.values[k], p.gradients[k],
+                      p.inside[k / components] != 0});
+  return values;
+}
+
+const ReportSchema& ProbedValue::schema() {
+  static constexpr ReportRow rows[] = {
+      reported<&ProbedValue::at>({.text = "Place", .unit = "length"}),
+      reported<&ProbedValue::name>({.text = "Component"}),
+      reported<&ProbedValue::value>({.text = "Value", .unit = "unit of the array"}),
+      reported<&ProbedValue::gradient>({.text = "Gradient", .unit = "per length"}),
+      reported<&ProbedValue::inside>({.text = "Whether the place lies in the volume"})};
+  static constexpr ReportSchema schema{rows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -123,4 +123,16 @@ ProjectResult project(ProjectInput input, const ProjectOptions& options, Progres
   return result;
 }
 
+namespace {
+
+constexpr ReportRow kProjectReportRows[] = {reported<&ProjectReport::method>({.text = "Method, by name"}),
+                                            reported_beside<&ProjectReport::moved>()};
+
+}  // namespace
+
+const ReportSchema& ProjectReport::schema() {
+  static constexpr ReportSchema schema{kProjectReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -16,10 +16,13 @@
 #include <string_view>
 #include <utility>
 
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/fit_words.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/model/surface_domain.h"
+#include "sansmesh/points/orient_words.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -153,6 +156,62 @@ ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options
   add_notes(result.notes, "preparation", function.warnings);
   add_notes(result.notes, "mesh", r.warnings);
   return result;
+}
+
+namespace {
+
+constexpr ReportRow kReconstructReportRows[] = {
+    reported_base<MeshReport, ReconstructReport>(),
+    reported<&ReconstructReport::noise>(
+        {.name = "deviation", .text = "Standard deviation of the samples off the surface", .unit = "length"}),
+    reported<&ReconstructReport::estimated_normals>(
+        {.name = "normals.estimated", .text = "Whether normals were estimated"}),
+    reported<&ReconstructReport::oriented_by>({.name = "normals.oriented_by",
+                                               .text = "From what normals got their signs; nothing: from the input",
+                                               .choices = kOrientByWords}),
+    reported<[](const ReconstructReport& r) { return told_if(!r.alignment.empty(), r.alignment); }>(
+        {.name = "alignment", .text = "How scans were aligned, in words"}),
+    reported<&ReconstructReport::fits>({.text = "Local fits"}),
+    reported<&ReconstructReport::fit_depth>({.text = "Deepest level of their tree"}),
+    reported<&ReconstructReport::fits_of_degree>({.text = "Local fits of degree 0 to 4"}),
+    reported<&ReconstructReport::paper>({.text = "How blocks came to be, of fits as the sources have them"}),
+    reported<&ReconstructReport::open_share>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
+    reported<&ReconstructReport::behind>(
+        {.name = "winding_number_behind", .text = "Mean winding number behind the samples"})};
+
+}  // namespace
+
+const ReportSchema& ReconstructReport::schema() {
+  static constexpr ReportSchema schema{kReconstructReportRows};
+  return schema;
+}
+
+namespace {
+
+/// What was decided on whether the surface bounds a solid, and why.
+std::string openness_words(const ReconstructReport& r, std::optional<bool> asked) {
+  if (asked) return *asked ? "open, as asked: the surface ends where the samples end" : "closed, as asked";
+  const std::string why = fmt::format("winding number {:.2f} behind the samples", r.behind);
+  if (r.open_share <= 0) return fmt::format("closed ({})", why);
+  if (r.open_share > 0.995) return fmt::format("open ({}): the surface ends where the samples end", why);
+  return fmt::format("{:.0f} % open ({}): there the surface ends where the samples end", 100 * r.open_share, why);
+}
+
+}  // namespace
+
+std::vector<std::string> summary_of(const ReconstructReport& r, const ReconstructOptions& options) {
+  const bool other = options.other_surface();
+  std::vector<std::string> lines{fmt::format(
+      "{}, meshed in {} down to depth {}",
+      other ? options.surface.method : fmt::format("{} down to depth {}", counted(r.fits, "local fit"), r.fit_depth),
+      counted(r.blocks, "block"), r.block_depth)};
+  if (r.paper)
+    for (std::string& line : paper_words(*r.paper, r.fits_of_degree)) lines.push_back(std::move(line));
+  if (r.simplices > 0) lines.push_back("walked through " + grouped(r.simplices) + " simplices");
+  lines.push_back(normals_made(r.estimated_normals, r.oriented_by));
+  if (!r.alignment.empty()) lines.push_back(r.alignment);
+  if (!other && !r.paper) lines.push_back(openness_words(r, options.fit.open));
+  return lines;
 }
 
 }  // namespace sansmesh::inline v1

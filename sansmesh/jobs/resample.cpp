@@ -16,10 +16,25 @@ ResampleResult resample(const VolumeModel& volume, const ResampleOptions& option
       with_name(volume.name(), [&] { return resample_volume(*field, volume.array_name(), options, progress); });
   const AttributeTable& arrays = result.block.point_arrays;
   const auto& inside = *arrays[arrays.size() - 1].as<std::uint8_t>();
+  for (std::size_t k = 0; k < 3; ++k) result.report.size[k] = result.block.axes[k].size();
   result.report.reconstruction = volume.report();
   result.report.inside =
       static_cast<double>(std::count(inside.begin(), inside.end(), 1)) / static_cast<double>(inside.size());
   return result;
+}
+
+namespace {
+
+constexpr ReportRow kResampleReportRows[] = {
+    reported<&ResampleReport::size>({.name = "output.size", .text = "Values along the axes"}),
+    reported<&ResampleReport::inside>(
+        {.name = "output.inside", .text = "Share of the values that lie in the volume", .unit = "share"})};
+
+}  // namespace
+
+const ReportSchema& ResampleReport::schema() {
+  static constexpr ReportSchema schema{kResampleReportRows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

@@ -109,4 +109,16 @@ SectionResult section(const AnySurface& surface, const SectionOptions& options, 
   return result;
 }
 
+namespace {
+
+constexpr ReportRow kSectionResultRows[] = {
+    reported<&SectionResult::sections>({.name = "planes", .text = "Planes, with what they cut out"})};
+
+}  // namespace
+
+const ReportSchema& SectionResult::schema() {
+  static constexpr ReportSchema schema{kSectionResultRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

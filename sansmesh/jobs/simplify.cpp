@@ -151,4 +151,27 @@ SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progr
   return result;
 }
 
+namespace {
+
+constexpr ReportRow kSimplifyReportRows[] = {
+    reported<&SimplifyReport::vertices>({.name = "input.vertices", .text = "Vertices of the original"}),
+    reported<&SimplifyReport::triangles>({.name = "input.triangles", .text = "Triangles of the original"}),
+    reported<&SimplifyReport::joined_vertices>({.text = "Vertices at the same place as another"}),
+    reported<[](const SimplifyReport& r) { return r.distance.to_reference; }>(
+        {.name = "to_original", .text = "Distances from what was made to the original"}),
+    reported<[](const SimplifyReport& r) { return r.distance.from_reference; }>(
+        {.name = "from_original", .text = "Distances from the original to what was made"}),
+    reported<[](const SimplifyReport& r) { return r.distance.diagonal; }>(
+        {.name = "diagonal", .text = "Diagonal of the original's box", .unit = "length"}),
+    reported<&SimplifyReport::least_shape>({.text = "Least shape of the triangles made"}),
+    reported<&SimplifyReport::farthest_by_shape>(
+        {.text = "How far off the best shapes would be, where worse ones were taken", .unit = "length"})};
+
+}  // namespace
+
+const ReportSchema& SimplifyReport::schema() {
+  static constexpr ReportSchema schema{kSimplifyReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -104,4 +104,56 @@ SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool
   return result;
 }
 
+namespace {
+
+constexpr ReportRow kSimulateReportRows[] = {
+    reported<&SimulateReport::steps>({.text = "Steps"}),
+    reported<&SimulateReport::iterations>({.text = "Iterations of conjugate gradients"}),
+    reported<&SimulateReport::halvings>({.text = "Times that a step was halved"}),
+    reported<&SimulateReport::unsettled>({.text = "Steps after which contacts would still change"}),
+    reported<&SimulateReport::shortest_step>({.text = "Shortest step", .unit = "s"}),
+    reported<&SimulateReport::most_contacts>({.text = "Most vertices that touched obstacles"}),
+    reported<&SimulateReport::seconds>({.text = "Time that it took", .unit = "s"}),
+    reported<&SimulateReport::first>({.name = "energies.first", .text = "Energies at first"}),
+    reported<&SimulateReport::last>({.name = "energies.last", .text = "Energies in the end"})};
+
+}  // namespace
+
+const ReportSchema& SimulateReport::schema() {
+  static constexpr ReportSchema schema{kSimulateReportRows};
+  return schema;
+}
+
+namespace {
+
+std::string material_words(const SoftBodyOptions& o) {
+  return o.model == SoftBodyModel::springs
+             ? fmt::format("springs of {:.4g} N/m, damping {:.4g} N s/m", o.stiffness, o.damping)
+             : fmt::format("Young's modulus {:.4g} Pa, Poisson's ratio {:.4g}, damping {:.4g} s", o.young, o.poisson,
+                           o.stiffness_damping);
+}
+
+}  // namespace
+
+std::string SimulateReport::table() const {
+  std::string table = "time,kinetic,elastic,gravity,total,iterations,step,contacts\n";
+  for (const auto& [e, step] : moments)
+    table += fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{},{:.6g},{}\n", step.time, e.kinetic, e.elastic,
+                         e.gravity, e.total(), step.iterations, step.shortest, step.contacts);
+  return table;
+}
+
+std::vector<std::string> summary_of(const SimulationPlan& plan, const SimulateReport& r) {
+  const SoftBodyOptions& options = plan.options;
+  const double steps = static_cast<double>(r.steps);
+  return {fmt::format("{} ({}), {}", word_of(options.model), material_words(options), word_of(options.integrator)),
+          fmt::format("{} of at most {:.4g} s in {:.3g} s ({:.1f} a second){}", counted(r.steps, "step"), options.step,
+                      r.seconds, steps / std::max(r.seconds, 1e-9),
+                      options.integrator == DynamicsIntegrator::implicit_euler
+                          ? fmt::format(", {:.1f} iterations a step", static_cast<double>(r.iterations) / steps)
+                          : ""),
+          fmt::format("energy {:.6g} J at first, {:.6g} J in the end (kinetic {:.4g}, elastic {:.4g}, gravity {:.4g})",
+                      r.first.total(), r.last.total(), r.last.kinetic, r.last.elastic, r.last.gravity)};
+}
+
 }  // namespace sansmesh::inline v1

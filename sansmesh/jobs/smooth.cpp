@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 
+#include <cmath>
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
@@ -37,6 +38,16 @@ SmoothResult smooth(TriangleMesh mesh, const SmoothOptions& options, Progress& p
                              100 * r.rms_move / diagonal, 100 * r.largest_move / diagonal, length_words(r.mean_edge)),
          .remedy = options.creases ? "" : "`iterations = 2`, `creases`, or more triangles"});
   return result;
+}
+
+std::vector<std::string> summary_of(const SmoothReport& r) {
+  const auto change = [](double before, double after) { return 100 * (after - before) / std::abs(before); };
+  std::string size = fmt::format("area {:+.3f} %", change(r.area_before, r.area_after));
+  if (r.volume_before && r.volume_after)
+    size += fmt::format(", volume {:+.3f} %", change(std::abs(*r.volume_before), std::abs(*r.volume_after)));
+  return {fmt::format("moved by {} (root mean square), at most {}; {} at borders and edges of three triangles stayed",
+                      length_words(r.rms_move), length_words(r.largest_move), grouped(r.fixed)),
+          std::move(size)};
 }
 
 }  // namespace sansmesh::inline v1

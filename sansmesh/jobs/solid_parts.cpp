@@ -137,4 +137,16 @@ SolidModel read_solid(const std::string& expression, Progress& progress) {
       {expression, std::move(solid), std::move(reader.files), std::move(reader.functions), std::move(reader.notes)});
 }
 
+namespace {
+
+constexpr ReportRow kSolidModelRows[] = {reported<&SolidModel::expression>({.text = "Expression"}),
+                                         reported<&SolidModel::files>({.text = "Files that it names"})};
+
+}  // namespace
+
+const ReportSchema& SolidModel::schema() {
+  static constexpr ReportSchema schema{kSolidModelRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

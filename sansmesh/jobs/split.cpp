@@ -109,4 +109,18 @@ SplitResult split(const CloudOrMesh& data, const SplitOptions& options, Progress
   return data.is_mesh ? split_mesh(data.mesh, options) : split_cloud(data.points, options, progress);
 }
 
+namespace {
+
+constexpr ReportRow kSplitResultRows[] = {
+    reported<&SplitResult::found>({.name = "parts.found", .text = "Parts, those that were left out among them"}),
+    reported<&SplitResult::distance>(
+        {.name = "parts.distance", .text = "Points as close as this are connected, of clouds", .unit = "length"})};
+
+}  // namespace
+
+const ReportSchema& SplitResult::schema() {
+  static constexpr ReportSchema schema{kSplitResultRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -104,4 +104,41 @@ PointSet points_of_surface(const SurfaceInVolume& surface, std::optional<double>
   return with_name(surface.name, [&] { return sample_volume_surface(*surface.surface, distance, progress); });
 }
 
+namespace {
+
+constexpr ReportRow kMeshInVolumeReportRows[] = {
+    reported<&MeshInVolumeReport::area>({.text = "Area of the mesh", .unit = "length²"}),
+    reported<&MeshInVolumeReport::volume>({.text = "Volume of the mesh, where it is closed", .unit = "length³"}),
+    reported<[](const MeshInVolumeReport& r) { return r.mesh.components; }>(
+        {.name = "output.components", .text = "Connected parts of the mesh"}),
+    reported<[](const MeshInVolumeReport& r) { return r.volume.has_value(); }>(
+        {.name = "output.closed", .text = "Whether the mesh is closed"})};
+
+}  // namespace
+
+const ReportSchema& MeshInVolumeReport::schema() {
+  static constexpr ReportSchema schema{kMeshInVolumeReportRows};
+  return schema;
+}
+
+namespace {
+
+bool is_steep(const SurfaceInVolume& made) {
+  return made.surface->options().kind == VolumeSurfaceOptions::Kind::high_gradient;
+}
+
+constexpr ReportRow kSurfaceInVolumeRows[] = {
+    reported<[](const SurfaceInVolume& r) { return told_if(!is_steep(r), r.value); }>(
+        {.name = "value", .text = "Value of the surface", .unit = "unit of the array"}),
+    reported<&SurfaceInVolume::report>({.name = "surface", .text = "Surface, and the samples that it follows from"}),
+    reported<[](const SurfaceInVolume& r) { return is_steep(r) ? "high-gradient" : "isovalue"; }>(
+        {.name = "surface.kind", .text = "Kind of the surface"})};
+
+}  // namespace
+
+const ReportSchema& SurfaceInVolume::schema() {
+  static constexpr ReportSchema schema{kSurfaceInVolumeRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

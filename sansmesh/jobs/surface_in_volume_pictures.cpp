@@ -104,13 +104,15 @@ SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, cons
     o.quantity = *quantity;
     if (look.color_range) o.range = *look.color_range * unit;
     auto colors = with_name(volume.name(), [&] { return std::make_unique<CurvatureColors>(points, o, progress); });
-    s.shown = ShownColors{.curvature = quantity, .range = colors->range() / unit, .colors = {}, .ends = {}};
+    s.shown =
+        ShownColors{.array = {}, .curvature = quantity, .range = colors->range() / unit, .colors = {}, .ends = {}};
     s.colors = std::move(colors);
   } else if (!look.color_by.empty()) {
     auto field = volume.field(volume.scalar_choice(look.color_by, "color_by"), progress, notes);
     const std::vector<Vec3> seen(points.positions.begin(), points.positions.end());
     auto colors = std::make_unique<ArrayColors>(std::move(field), place, seen);
-    s.shown = ShownColors{.curvature = {}, .range = 0, .colors = colors->colors(), .ends = colors->ends()};
+    s.shown = ShownColors{
+        .array = look.color_by, .curvature = {}, .range = 0, .colors = colors->colors(), .ends = colors->ends()};
     s.colors = std::move(colors);
   }
   SurfaceCastOptions cast;
@@ -135,5 +137,21 @@ Image SurfaceInVolumePictures::render(const SurfaceRenderOptions& options, Progr
 }
 
 CastCounts SurfaceInVolumePictures::counts() const { return state_->caster->counts(); }
+
+namespace {
+
+constexpr ReportRow kShownColorsRows[] = {
+    reported<&ShownColors::array>({.text = "Array that the colours show"}),
+    reported<[](const ShownColors& r) { return r.colors.range().first; }>(
+        {.name = "lower", .text = "Value of the first colour", .unit = "unit of the array"}),
+    reported<[](const ShownColors& r) { return r.colors.range().second; }>(
+        {.name = "upper", .text = "Value of the last colour", .unit = "unit of the array"})};
+
+}  // namespace
+
+const ReportSchema& ShownColors::schema() {
+  static constexpr ReportSchema schema{kShownColorsRows};
+  return schema;
+}
 
 }  // namespace sansmesh::inline v1

@@ -77,4 +77,35 @@ VolumeAdvice advise(const VolumeModel& volume, Progress& progress) {
   return advice;
 }
 
+namespace {
+
+constexpr ReportRow kVolumeAdviceRows[] = {
+    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.array); }>(
+        {.name = "array", .text = "Array that was looked at"}),
+    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.samples); }>(
+        {.name = "samples", .text = "Samples that were looked at"}),
+    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.left_out); }>(
+        {.name = "left_out",
+         .text = "Median error of predicting a sample by its neighbours, for degrees 0 to 3",
+         .unit = "share of the range"}),
+    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.left_out_rms); }>(
+        {.name = "left_out_rms", .text = "Root mean square of these errors", .unit = "share of the range"}),
+    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.noise); }>(
+        {.name = "noise", .text = "Noise is no more than this", .unit = "share of the range"}),
+    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.steps); }>(
+        {.name = "steps", .text = "Share of the samples next to steps", .unit = "share"}),
+    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.resolved()); }>(
+        {.name = "resolved", .text = "Whether samples are dense enough for what they show"}),
+    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, std::string(r.offer.suited.method)); }>(
+        {.name = "method", .text = "Method that suits it"}),
+    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.suited.why); }>(
+        {.name = "why", .text = "Reason for that"})};
+
+}  // namespace
+
+const ReportSchema& VolumeAdvice::schema() {
+  static constexpr ReportSchema schema{kVolumeAdviceRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -60,4 +60,11 @@ VolumeSeries open_volume_series(const std::vector<std::string>& files, const Vol
   return series;
 }
 
+const ReportSchema& VolumeSeries::schema() {
+  static constexpr ReportRow rows[] = {
+      reported<[](const VolumeSeries& r) { return r.steps.size(); }>({.name = "steps", .text = "Steps in time"})};
+  static constexpr ReportSchema schema{rows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

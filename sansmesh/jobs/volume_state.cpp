@@ -243,4 +243,36 @@ double VolumeModel::middle_value() const {
   return 0.5 * (a.least[c] + a.most[c]);
 }
 
+VolumeUse volume_use(const VolumeModel& volume, Progress& progress) {
+  const std::shared_ptr<const SampledVolume> samples = volume.samples(progress);
+  const ReconstructionReport& report = volume.report();
+  return {.format = volume.format(),
+          .array = volume.choice().array,
+          .method = report.options.method.value_or(""),
+          .why = report.why,
+          .samples = samples->size(),
+          .grid = samples->facts.grid,
+          .notes = report.notes};
+}
+
+namespace {
+
+constexpr ReportRow kVolumeUseRows[] = {
+    reported<&VolumeUse::format>({.text = "Format of the file"}),
+    reported<&VolumeUse::array>({.text = "Array"}),
+    reported<[](const VolumeUse& r) { return told_if(!r.method.empty(), r.method); }>(
+        {.name = "method", .text = "Method of reconstruction"}),
+    reported<[](const VolumeUse& r) { return told_if(!r.why.empty(), r.why); }>(
+        {.name = "why", .text = "Reason for that, where it was chosen"}),
+    reported<&VolumeUse::samples>({.text = "Samples"}),
+    reported<&VolumeUse::grid>({.text = "Grid, in words"}),
+    reported<&VolumeUse::notes>({.text = "What there is to know of the values"})};
+
+}  // namespace
+
+const ReportSchema& VolumeUse::schema() {
+  static constexpr ReportSchema schema{kVolumeUseRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

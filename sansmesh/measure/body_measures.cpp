@@ -182,4 +182,69 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
   return result;
 }
 
+namespace {
+
+template <class T>
+std::optional<T> of_mass(const BodyMeasures& body, T MassMeasures::*measure) {
+  return body.mass ? std::optional<T>((*body.mass).*measure) : std::nullopt;
+}
+
+constexpr ReportRow kBodyMeasuresRows[] = {
+    reported<&BodyMeasures::triangles>({.text = "Triangles"}),
+    reported<&BodyMeasures::closed>({.text = "Whether the triangles enclose a volume"}),
+    reported<&BodyMeasures::boundary_edges>({.text = "Edges of one triangle"}),
+    reported<&BodyMeasures::open_edges>(
+        {.text = "Edges that more triangles run through in one direction than in the other"}),
+    reported<&BodyMeasures::nonmanifold_edges>({.text = "Edges of three triangles or more"}),
+    reported<&BodyMeasures::area>({.text = "Area", .unit = "length²"}),
+    reported<&BodyMeasures::surface_center>({.text = "Mean of the surface's points", .unit = "length"}),
+    reported<[](const BodyMeasures& r) { return r.box.lower; }>(
+        {.name = "box.lower", .text = "Lower corner of the box", .unit = "length"}),
+    reported<[](const BodyMeasures& r) { return r.box.upper; }>(
+        {.name = "box.upper", .text = "Upper corner of the box", .unit = "length"}),
+    reported<[](const BodyMeasures& r) { return of_mass(r, &MassMeasures::volume); }>(
+        {.name = "volume", .text = "Volume, of what is closed", .unit = "length³"}),
+    reported<[](const BodyMeasures& r) { return of_mass(r, &MassMeasures::center); }>(
+        {.name = "center_of_mass", .text = "Centre of mass, of what is closed", .unit = "length"}),
+    reported<[](const BodyMeasures& r) { return of_mass(r, &MassMeasures::moments); }>(
+        {.name = "principal_moments", .text = "Principal moments of inertia, for density 1", .unit = "length⁵"}),
+    reported<[](const BodyMeasures& r) { return of_mass(r, &MassMeasures::axes); }>(
+        {.name = "principal_axes", .text = "Axes of these"}),
+    reported<&BodyMeasures::surrounding>(
+        {.name = "surrounding_winding_number", .text = "Winding number of the other parts around it"})};
+
+}  // namespace
+
+const ReportSchema& BodyMeasures::schema() {
+  static constexpr ReportSchema schema{kBodyMeasuresRows};
+  return schema;
+}
+
+namespace {
+
+std::vector<BodyMeasures> largest_components(const SolidMeasures& solid) {
+  constexpr std::size_t kListed = 1000;
+  const std::size_t listed = std::min(kListed, solid.components.size());
+  return {solid.components.begin(), solid.components.begin() + static_cast<std::ptrdiff_t>(listed)};
+}
+
+constexpr ReportRow kSolidMeasuresRows[] = {
+    reported<&SolidMeasures::topology>({.text = "How the triangles hang together"}),
+    reported<&SolidMeasures::whole>({.text = "All parts together"}),
+    reported<&SolidMeasures::smallest_box>({.text = "Smallest box around all"}),
+    reported<&SolidMeasures::left_out>(
+        {.name = "left_out_triangles", .text = "Triangles that were left out for bad corners"}),
+    reported<&SolidMeasures::crossing_pairs>({.text = "Pairs of triangles that cut through each other"}),
+    reported<&SolidMeasures::crossing_components>({.text = "Parts that cut through another one"}),
+    reported<[](const SolidMeasures& r) { return r.components.size(); }>({.name = "component_count", .text = "Parts"}),
+    reported<[](const SolidMeasures& r) { return largest_components(r); }>(
+        {.name = "components", .text = "Parts, the largest area first, a thousand at most"})};
+
+}  // namespace
+
+const ReportSchema& SolidMeasures::schema() {
+  static constexpr ReportSchema schema{kSolidMeasuresRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

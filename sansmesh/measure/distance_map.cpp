@@ -238,4 +238,64 @@ void apply_map(TriangleMesh& part, const DistanceMap& map, double range) {
                [&](std::size_t i) { part.colors[i] = distance_color(map.distance[i], range); });
 }
 
+namespace {
+
+constexpr ReportRow kDistanceStatisticsRows[] = {
+    reported<&DistanceStatistics::mean>({.text = "Mean of the signed distances", .unit = "length"}),
+    reported<&DistanceStatistics::mean_absolute>({.text = "Mean of the distances", .unit = "length"}),
+    reported<&DistanceStatistics::rms>({.text = "Root mean square of the distances", .unit = "length"}),
+    reported<&DistanceStatistics::deviation>({.text = "Standard deviation of the signed distances", .unit = "length"}),
+    reported<&DistanceStatistics::p05>({.text = "5 % of the signed distances are below", .unit = "length"}),
+    reported<&DistanceStatistics::median>({.text = "Half of the signed distances are below", .unit = "length"}),
+    reported<&DistanceStatistics::p95>({.text = "95 % of the signed distances are below", .unit = "length"}),
+    reported<&DistanceStatistics::p95_absolute>({.text = "95 % of the distances are below", .unit = "length"}),
+    reported<&DistanceStatistics::lowest>({.name = "lowest.value", .text = "Lowest signed distance", .unit = "length"}),
+    reported<&DistanceStatistics::lowest_at>(
+        {.name = "lowest.at", .text = "Place of the lowest signed distance", .unit = "length"}),
+    reported<&DistanceStatistics::highest>(
+        {.name = "highest.value", .text = "Highest signed distance", .unit = "length"}),
+    reported<&DistanceStatistics::highest_at>(
+        {.name = "highest.at", .text = "Place of the highest signed distance", .unit = "length"}),
+    reported<&DistanceStatistics::within_tolerance>(
+        {.text = "Share of the area within the tolerance", .unit = "share"}),
+    reported<&DistanceStatistics::area>({.text = "Area that was measured; of points their number", .unit = "length²"})};
+
+}  // namespace
+
+const ReportSchema& DistanceStatistics::schema() {
+  static constexpr ReportSchema schema{kDistanceStatisticsRows};
+  return schema;
+}
+
+namespace {
+
+constexpr ReportRow kDistanceMapRows[] = {
+    reported<&DistanceMap::has_sides>({.name = "signed", .text = "Whether inside and outside are known"}),
+    reported<[](const DistanceMap& r) { return r.distance.size(); }>(
+        {.name = "vertices", .text = "Vertices of the mapped surface"}),
+    reported<&DistanceMap::measured>({.text = "Vertices with a distance"}),
+    reported<&DistanceMap::beyond>({.text = "Vertices left out: farther than the largest distance"}),
+    reported<&DistanceMap::not_found>({.text = "Vertices left out: from where no surface was found"}),
+    reported<&DistanceMap::at_border>({.text = "Vertices whose closest point lies on a border"}),
+    reported<&DistanceMap::not_finite>({.text = "Vertices left out: not finite, or unused"}),
+    reported<&DistanceMap::max_distance>({.text = "Largest distance that counts", .unit = "length"}),
+    reported<&DistanceMap::statistics>({.name = "distance", .text = "Statistics of the distances, weighted by area"}),
+    reported<[](const DistanceMap& r) { return r.has_sides ? -r.statistics.range : 0.0; }>(
+        {.name = "histogram.lower", .text = "Lower end of the histogram", .unit = "length"}),
+    reported<[](const DistanceMap& r) { return r.statistics.range; }>(
+        {.name = "histogram.upper", .text = "Upper end of the histogram", .unit = "length"}),
+    reported<[](const DistanceMap& r) { return r.statistics.below_range; }>(
+        {.name = "histogram.below", .text = "Share below its lower end", .unit = "share"}),
+    reported<[](const DistanceMap& r) { return r.statistics.above_range; }>(
+        {.name = "histogram.above", .text = "Share above its upper end", .unit = "share"}),
+    reported<[](const DistanceMap& r) { return r.statistics.histogram; }>(
+        {.name = "histogram.shares", .text = "Shares of bins of equal width", .unit = "share"})};
+
+}  // namespace
+
+const ReportSchema& DistanceMap::schema() {
+  static constexpr ReportSchema schema{kDistanceMapRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -197,6 +198,14 @@ std::string section_csv(std::span<const Section> sections) {
       }
     }
   return text;
+}
+
+std::string section_words(const Section& s) {
+  const auto open = static_cast<std::size_t>(
+      std::count_if(s.curves.begin(), s.curves.end(), [](const SectionCurve& curve) { return !curve.closed; }));
+  return fmt::format("{:<20} length {:<11.6g} area {:<11.6g} {}{}", equation(s.plane), s.length, s.area,
+                     s.curves.empty() ? "nothing there" : counted(s.curves.size(), "curve"),
+                     open > 0 ? fmt::format(" ({} open)", grouped(open)) : "");
 }
 
 }  // namespace sansmesh::inline v1

@@ -31,4 +31,7 @@ std::string section_csv(std::span<const Section> sections);
 /// A round number (1, 2 or 5 times a power of ten) of at most `length`, which is positive.
 double round_length(double length);
 
+/// "z = 0.5    length 1.2   area 0.3   2 curves", for people.
+std::string section_words(const Section& section);
+
 }  // namespace sansmesh::inline v1

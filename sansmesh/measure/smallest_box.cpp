@@ -339,4 +339,18 @@ OrientedBox smallest_box(const std::vector<Vec3f>& points, std::span<const std::
   return box;
 }
 
+namespace {
+
+constexpr ReportRow kOrientedBoxRows[] = {
+    reported<&OrientedBox::sizes>({.text = "Lengths of the sides", .unit = "length"}),
+    reported<&OrientedBox::axes>({.text = "Directions of the sides"}),
+    reported<&OrientedBox::center>({.text = "Middle", .unit = "length"})};
+
+}  // namespace
+
+const ReportSchema& OrientedBox::schema() {
+  static constexpr ReportSchema schema{kOrientedBoxRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -275,4 +275,47 @@ SurfaceAlignment align_surfaces(const TriangleMesh& moving, const TriangleMesh& 
   return result;
 }
 
+namespace {
+
+constexpr std::string_view kStartWords[] = {"automatic", "here", "anywhere"};
+
+constexpr ReportRow kSurfaceAlignmentRows[] = {
+    reported<[](const SurfaceAlignment& r) { return r.motion.angle(); }>(
+        {.name = "angle_deg", .text = "Angle of the rotation", .unit = "degrees"}),
+    reported<[](const SurfaceAlignment& r) { return r.motion.axis(); }>(
+        {.name = "axis", .text = "Axis of the rotation"}),
+    reported<[](const SurfaceAlignment& r) { return r.motion.scale; }>(
+        {.name = "scale", .text = "Factor of all lengths", .unit = "factor"}),
+    reported<[](const SurfaceAlignment& r) { return r.motion.to - r.motion.from; }>(
+        {.name = "shift_of_middle", .text = "Where the middle went", .unit = "length"}),
+    reported<&SurfaceAlignment::moved>(
+        {.name = "moved_rms", .text = "How far all of it was moved, root mean square", .unit = "length"}),
+    reported<&SurfaceAlignment::rms>({.text = "Root mean square of the distances after", .unit = "length"}),
+    reported<&SurfaceAlignment::median>({.text = "Half of the distances are below this after", .unit = "length"}),
+    reported<&SurfaceAlignment::p95>({.text = "95 % of the distances are below this after", .unit = "length"}),
+    reported<&SurfaceAlignment::median_before>(
+        {.text = "Half of the distances were below this before", .unit = "length"}),
+    reported<&SurfaceAlignment::overlap>(
+        {.text = "Share of the samples that lie on the fixed surface", .unit = "share"}),
+    reported<&SurfaceAlignment::reach>({.text = "Distance within which they do", .unit = "length"}),
+    reported<&SurfaceAlignment::differing>(
+        {.name = "differing_share", .text = "Share of the samples at which the shapes differ", .unit = "share"}),
+    reported<&SurfaceAlignment::differing_by>({.text = "Median of that difference", .unit = "length"}),
+    reported<&SurfaceAlignment::mirror_image_fits>({.text = "Whether the mirror image fits instead"}),
+    reported<&SurfaceAlignment::samples>({.text = "Samples that were compared"}),
+    reported<&SurfaceAlignment::iterations>({.text = "Steps of the last search", .unit = "steps"}),
+    reported<&SurfaceAlignment::start>({.name = "from", .text = "Where the search began", .choices = kStartWords}),
+    reported<[](const SurfaceAlignment& r) { return told_if(r.searched, r.alternatives); }>(
+        {.name = "alternatives", .text = "Other poses that fit as well; nothing where they were not looked for"}),
+    reported<&SurfaceAlignment::alternative_angles>(
+        {.name = "alternative_angles_deg", .text = "Angles to these", .unit = "degrees"}),
+    reported<&SurfaceAlignment::free_motions>({.text = "Motions that the surfaces do not tell"})};
+
+}  // namespace
+
+const ReportSchema& SurfaceAlignment::schema() {
+  static constexpr ReportSchema schema{kSurfaceAlignmentRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

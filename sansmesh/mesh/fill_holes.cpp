@@ -404,10 +404,11 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
   std::vector<Vec3f> filled;
   std::vector<std::uint32_t> hole_of;
   for (std::size_t i = 0; i < loops.size(); ++i) {
-    report.outcome.push_back(FillReport::Outcome::too_large);
+    std::optional<HoleOutcome>& outcome = report.found.loops[i].outcome;
+    outcome = HoleOutcome::too_large;
     if (!wanted(loops[i])) {
       if (is_end(loops[i])) {
-        report.outcome.back() = FillReport::Outcome::end;
+        outcome = HoleOutcome::end;
         ++report.ends;
       } else {
         ++report.too_large;
@@ -420,12 +421,12 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
       chords = chords_of(m, loops[i], fillings[i]);
     }
     if (!fillings[i].done) {
-      report.outcome.back() = FillReport::Outcome::failed;
+      outcome = HoleOutcome::failed;
       ++report.failed;
       continue;
     }
     taken.insert(chords.begin(), chords.end());
-    report.outcome.back() = FillReport::Outcome::filled;
+    outcome = HoleOutcome::filled;
     ++report.filled;
     std::vector<std::uint32_t> number;
     append_filling(mesh, loops[i], fillings[i], number);
@@ -449,6 +450,61 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
   report.islands = count_islands(m, filled, hole_of, report.found);
   progress.finish();
   return report;
+}
+
+namespace {
+
+constexpr ReportRow kHoleLoopRows[] = {
+    reported<[](const HoleLoop& r) { return r.vertices.size(); }>(
+        {.name = "edges", .text = "Edges of the border around it"}),
+    reported<&HoleLoop::diameter>({.text = "Diagonal of its box", .unit = "length"}),
+    reported<&HoleLoop::perimeter>({.text = "Length of its border", .unit = "length"}),
+    reported<&HoleLoop::middle>({.name = "at", .text = "Middle of its border", .unit = "length"}),
+    reported<&HoleLoop::share>(
+        {.name = "share_of_piece", .text = "Its diameter over that of the piece that it is in", .unit = "share"}),
+    reported<&HoleLoop::steepness>({.text = "How steeply the mesh leaves its plane: 1 of a tube", .unit = "share"}),
+    reported<&HoleLoop::outcome>({.text = "Result of filling it", .choices = kOutcomeWords})};
+
+}  // namespace
+
+const ReportSchema& HoleLoop::schema() {
+  static constexpr ReportSchema schema{kHoleLoopRows};
+  return schema;
+}
+
+namespace {
+
+constexpr ReportRow kHoleLoopsRows[] = {
+    reported<&HoleLoops::border_edges>({.text = "Edges of one triangle"}),
+    reported<&HoleLoops::stray_edges>({.name = "stray_border_edges", .text = "Edges of these that run around no hole"}),
+    reported<&HoleLoops::nonmanifold_edges>({.text = "Edges of three triangles or more"}),
+    reported<&HoleLoops::loops>({.name = "holes", .text = "Holes, the largest first"})};
+
+}  // namespace
+
+const ReportSchema& HoleLoops::schema() {
+  static constexpr ReportSchema schema{kHoleLoopsRows};
+  return schema;
+}
+
+namespace {
+
+constexpr ReportRow kFillReportRows[] = {
+    reported_beside<&FillReport::found>(),
+    reported<&FillReport::filled>({.text = "Holes that were filled"}),
+    reported<&FillReport::too_large>({.name = "left_open", .text = "Holes that were left open for their size"}),
+    reported<&FillReport::ends>({.text = "Holes that were left open as ends of a tube"}),
+    reported<&FillReport::failed>({.text = "Holes that no triangles go across"}),
+    reported<&FillReport::islands>({.text = "Separate pieces that lie in fillings"}),
+    reported<&FillReport::vertices>({.name = "added.vertices", .text = "Vertices that were added"}),
+    reported<&FillReport::triangles>({.name = "added.triangles", .text = "Triangles that were added"}),
+    reported<&FillReport::area>({.name = "added.area", .text = "Area that was added", .unit = "length²"})};
+
+}  // namespace
+
+const ReportSchema& FillReport::schema() {
+  static constexpr ReportSchema schema{kFillReportRows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

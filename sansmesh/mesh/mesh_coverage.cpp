@@ -114,4 +114,35 @@ MeshCoverage measure_coverage(const TriangleMesh& mesh, const PointSet& samples,
   return coverage;
 }
 
+namespace {
+
+constexpr ReportRow kFarPlacesRows[] = {
+    reported<&FarPlaces::share>({.text = "Share of the places that are far", .unit = "share"}),
+    reported<&FarPlaces::looked_at>({.text = "Places that were looked at"}),
+    reported<&FarPlaces::beyond>({.text = "Distance from which on a place is far", .unit = "length"}),
+    reported<&FarPlaces::most>(
+        {.name = "most_around", .text = "Place around which most of those lie", .unit = "length"})};
+
+}  // namespace
+
+const ReportSchema& FarPlaces::schema() {
+  static constexpr ReportSchema schema{kFarPlacesRows};
+  return schema;
+}
+
+namespace {
+
+constexpr ReportRow kMeshCoverageRows[] = {
+    reported<&MeshCoverage::spacing>({.text = "Spacing of the samples", .unit = "length"}),
+    reported<&MeshCoverage::noise>({.text = "Noise of the samples", .unit = "length"}),
+    reported<&MeshCoverage::lost>({.text = "Samples without a surface"}),
+    reported<&MeshCoverage::invented>({.text = "Surface without samples"})};
+
+}  // namespace
+
+const ReportSchema& MeshCoverage::schema() {
+  static constexpr ReportSchema schema{kMeshCoverageRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -1,5 +1,7 @@
 #include "sansmesh/mesh/mesh_distance.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -8,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/points/sample_faces.h"
@@ -217,6 +220,32 @@ SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh
   result.from_reference = measure(b.samples, b.vertices, -shift, a.target, progress);
   progress.finish();
   return result;
+}
+
+namespace {
+
+constexpr ReportRow kOneWayDistanceRows[] = {
+    reported<&OneWayDistance::samples>({.text = "Samples that were measured"}),
+    reported<&OneWayDistance::mean>({.text = "Mean distance", .unit = "length"}),
+    reported<&OneWayDistance::rms>({.text = "Root mean square of the distances", .unit = "length"}),
+    reported<&OneWayDistance::p95>({.text = "Distance that 95 % of the samples are below", .unit = "length"}),
+    reported<&OneWayDistance::max>({.text = "Largest distance", .unit = "length"}),
+    reported<&OneWayDistance::angle>(
+        {.name = "angle_deg", .text = "Mean angle between the planes of normals, 0..90", .unit = "degrees"}),
+    reported<&OneWayDistance::signed_angle>(
+        {.name = "signed_angle_deg", .text = "Mean angle between normals, 0..180", .unit = "degrees"})};
+
+}  // namespace
+
+const ReportSchema& OneWayDistance::schema() {
+  static constexpr ReportSchema schema{kOneWayDistanceRows};
+  return schema;
+}
+
+std::string distance_words(const OneWayDistance& d, const SurfaceDistance& both) {
+  const auto percent = [&](double x) { return fmt::format("{} ({:.4f} %)", length_words(x), both.percent(x)); };
+  return fmt::format("mean {}, rms {}, 95 % below {}, max {}{}", percent(d.mean), percent(d.rms), percent(d.p95),
+                     percent(d.max), d.angle ? fmt::format(", normals {:.2f}° off", *d.angle) : "");
 }
 
 }  // namespace sansmesh::inline v1

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/point_set.h"
@@ -25,5 +26,8 @@ struct DistanceOptions {
 /// points.
 SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh& reference,
                                  const DistanceOptions& options, Progress& progress);
+
+/// Distances of one way with their shares of the reference's diagonal, for people.
+std::string distance_words(const OneWayDistance& distance, const SurfaceDistance& both);
 
 }  // namespace sansmesh::inline v1

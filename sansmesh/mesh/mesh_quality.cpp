@@ -96,4 +96,26 @@ MeshQuality measure_quality(const TriangleMesh& mesh) {
   return result;
 }
 
+namespace {
+
+constexpr ReportRow kMeshQualityRows[] = {
+    reported<&MeshQuality::aspect_mean>({.text = "Mean aspect ratio of the triangles: 1 of equilateral ones"}),
+    reported<&MeshQuality::aspect_deviation>({.text = "Standard deviation of the aspect ratios"}),
+    reported<&MeshQuality::aspect_max>({.text = "Largest aspect ratio"}),
+    reported<&MeshQuality::smallest_angle_mean>(
+        {.name = "smallest_angle_mean_deg", .text = "Mean of the triangles' smallest angles", .unit = "degrees"}),
+    reported<&MeshQuality::smallest_angle>(
+        {.name = "smallest_angle_deg", .text = "Smallest angle of all", .unit = "degrees"}),
+    reported<&MeshQuality::small_angle_share>(
+        {.name = "below_10_deg", .text = "Share of the triangles with an angle below 10°", .unit = "share"}),
+    reported<&MeshQuality::edge_mean>({.text = "Mean length of the edges", .unit = "length"}),
+    reported<&MeshQuality::area>({.text = "Area", .unit = "length²"})};
+
+}  // namespace
+
+const ReportSchema& MeshQuality::schema() {
+  static constexpr ReportSchema schema{kMeshQualityRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -450,4 +450,34 @@ SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progr
   return report;
 }
 
+namespace {
+
+constexpr ReportRow kSmoothReportRows[] = {
+    reported<&SmoothReport::vertices>(
+        {.name = "input.vertices", .text = "Vertices that triangles use; those at the same place count once"}),
+    reported<&SmoothReport::mean_edge>(
+        {.name = "input.mean_edge", .text = "Mean length of the edges before", .unit = "length"}),
+    reported<&SmoothReport::iterations>({.text = "Rounds that were made", .unit = "rounds"}),
+    reported<&SmoothReport::rms_move>(
+        {.name = "moved.rms", .text = "How far vertices moved, root mean square", .unit = "length"}),
+    reported<&SmoothReport::largest_move>(
+        {.name = "moved.max", .text = "How far the vertex moved that moved most", .unit = "length"}),
+    reported<&SmoothReport::fixed>(
+        {.name = "moved.fixed", .text = "Vertices that stayed, at borders and edges of three triangles"}),
+    reported<&SmoothReport::area_before>({.name = "area.before", .text = "Area before", .unit = "length²"}),
+    reported<&SmoothReport::area_after>({.name = "area.after", .text = "Area after", .unit = "length²"}),
+    reported<&SmoothReport::volume_before>(
+        {.name = "volume.before", .text = "Volume before, of closed meshes", .unit = "length³"}),
+    reported<&SmoothReport::volume_after>(
+        {.name = "volume.after", .text = "Volume after, of closed meshes", .unit = "length³"}),
+    reported<[](const SmoothReport& r) { return told_if(r.crease_angle > 0, r.crease_angle); }>(
+        {.name = "crease_angle_deg", .text = "Angle from which on edges were kept as creases", .unit = "degrees"})};
+
+}  // namespace
+
+const ReportSchema& SmoothReport::schema() {
+  static constexpr ReportSchema schema{kSmoothReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

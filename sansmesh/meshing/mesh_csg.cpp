@@ -393,4 +393,29 @@ TriangleMesh mesh_csg(const Solid& solid, const CsgMeshOptions& options, Progres
   return mesh_of(options.box ? cut_off(solid, *options.box) : solid, whole_box, options, progress, report);
 }
 
+namespace {
+
+constexpr ReportRow kCsgMeshReportRows[] = {
+    reported<[](const CsgMeshReport& r) { return r.box.lower; }>(
+        {.name = "box.lower", .text = "Lower corner of the box in which the surface lies", .unit = "length"}),
+    reported<[](const CsgMeshReport& r) { return r.box.upper; }>(
+        {.name = "box.upper", .text = "Upper corner of that box", .unit = "length"}),
+    reported<&CsgMeshReport::cell>({.text = "Edge of the smallest blocks", .unit = "length"}),
+    reported<&CsgMeshReport::depth>({.text = "Levels of the tree of blocks"}),
+    reported<&CsgMeshReport::blocks>({.text = "Blocks"}),
+    reported<&CsgMeshReport::area>({.text = "Area of the mesh", .unit = "length²"}),
+    reported<&CsgMeshReport::volume>({.text = "Volume of the mesh", .unit = "length³"}),
+    reported<&CsgMeshReport::mean_error>({.text = "Mean distance of the triangles from the surface", .unit = "length"}),
+    reported<&CsgMeshReport::largest_error>(
+        {.text = "Largest distance of the triangles from the surface", .unit = "length"}),
+    reported<&CsgMeshReport::components>({.name = "output.components", .text = "Connected parts of the mesh"}),
+    reported<&CsgMeshReport::closed>({.name = "output.closed", .text = "Whether the mesh is closed"})};
+
+}  // namespace
+
+const ReportSchema& CsgMeshReport::schema() {
+  static constexpr ReportSchema schema{kCsgMeshReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

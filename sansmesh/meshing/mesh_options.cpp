@@ -106,4 +106,35 @@ void MeshOptions::validate_walk() const {
   unset(enhance, "enhance = false");
 }
 
+namespace {
+
+/// Aspect ratios are 1 at least where they were measured.
+std::optional<double> if_measured(const MeshReport& r, double ratio) { return told_if(r.aspect_mean > 0, ratio); }
+
+constexpr ReportRow kMeshReportRows[] = {
+    reported<[](const MeshReport& r) { return told_if(r.simplices > 0, r.simplices); }>(
+        {.name = "simplices", .text = "Simplices that a walk went through; nothing without one"}),
+    reported<&MeshReport::blocks>({.text = "Blocks"}),
+    reported<&MeshReport::block_depth>({.text = "Deepest level of the tree of blocks"}),
+    reported<&MeshReport::lost>(
+        {.name = "lost_share", .text = "Share of the samples that have no surface", .unit = "share"}),
+    reported<&MeshReport::components>({.name = "output.components", .text = "Connected parts of the mesh"}),
+    reported<&MeshReport::mesh_error>(
+        {.name = "output.mesh_error", .text = "Distance between mesh and surface that was aimed at", .unit = "length"}),
+    reported<[](const MeshReport& r) { return if_measured(r, r.aspect_mean_before); }>(
+        {.name = "aspect_ratio.mean_before", .text = "Mean aspect ratio before enhancement"}),
+    reported<[](const MeshReport& r) { return if_measured(r, r.aspect_deviation_before); }>(
+        {.name = "aspect_ratio.deviation_before", .text = "Standard deviation of the aspect ratios before"}),
+    reported<[](const MeshReport& r) { return if_measured(r, r.aspect_mean); }>(
+        {.name = "aspect_ratio.mean", .text = "Mean aspect ratio after enhancement"}),
+    reported<[](const MeshReport& r) { return if_measured(r, r.aspect_deviation); }>(
+        {.name = "aspect_ratio.deviation", .text = "Standard deviation of the aspect ratios after"})};
+
+}  // namespace
+
+const ReportSchema& MeshReport::schema() {
+  static constexpr ReportSchema schema{kMeshReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -265,4 +265,22 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
   return result;
 }
 
+namespace {
+
+constexpr ReportRow kSurfaceProjectionRows[] = {
+    reported<&SurfaceProjection::mean_move>(
+        {.name = "moved.mean", .text = "How far points moved on average", .unit = "length"}),
+    reported<&SurfaceProjection::rms_move>(
+        {.name = "moved.rms", .text = "How far points moved, root mean square", .unit = "length"}),
+    reported<&SurfaceProjection::largest_move>(
+        {.name = "moved.largest", .text = "How far the point moved that moved most", .unit = "length"}),
+    reported<&SurfaceProjection::left_out>({.text = "Points that were too far from the samples"})};
+
+}  // namespace
+
+const ReportSchema& SurfaceProjection::schema() {
+  static constexpr ReportSchema schema{kSurfaceProjectionRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

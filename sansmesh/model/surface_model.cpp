@@ -190,4 +190,21 @@ std::vector<Vec3> SurfaceModel::seeds() const {
   return {balls().centers.begin(), balls().centers.end()};
 }
 
+namespace {
+
+constexpr ReportRow kSurfaceReportRows[] = {
+    reported<&SurfaceReport::method>({.text = "Method, by name"}),
+    reported<&SurfaceReport::spacing>({.text = "Spacing of the samples", .unit = "length"}),
+    reported<&SurfaceReport::noise>({.text = "Noise of the samples", .unit = "length"}),
+    reported<&SurfaceReport::smoothing>({.text = "Median width of the weights; 0 without any", .unit = "spacings"}),
+    reported<&SurfaceReport::order>({.text = "Order of the approximation, of amls"}),
+    reported<&SurfaceReport::iterations>({.text = "Iterations of the approximation, of amls"})};
+
+}  // namespace
+
+const ReportSchema& SurfaceReport::schema() {
+  static constexpr ReportSchema schema{kSurfaceReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

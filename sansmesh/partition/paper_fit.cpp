@@ -254,4 +254,25 @@ PartitionOfUnity fit_paper_partition(PointSet points, const PaperOptions& option
   return field;
 }
 
+namespace {
+
+constexpr ReportRow kPaperReportRows[] = {
+    reported<&PaperReport::blocks>({.text = "Blocks of the tree of fits, all levels"}),
+    reported<&PaperReport::fitted>({.text = "Leaves with a polynomial of their own samples"}),
+    reported<&PaperReport::borrowed>({.text = "Leaves with a plane of the nearest samples"}),
+    reported<&PaperReport::two_sheets>({.text = "Blocks that were subdivided for two sheets"}),
+    reported<&PaperReport::too_many>({.text = "Blocks that were subdivided without a fit"}),
+    reported<&PaperReport::not_worse>({.text = "Blocks with few samples that were subdivided"}),
+    reported<&PaperReport::kept>(
+        {.text = "Blocks with few samples that were not subdivided, since their children are worse"}),
+    reported<&PaperReport::above>({.text = "Leaves above the threshold"}),
+    reported<&PaperReport::balanced>({.text = "Leaves that only balance subdivides"})};
+
+}  // namespace
+
+const ReportSchema& PaperReport::schema() {
+  static constexpr ReportSchema schema{kPaperReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/points/normals.h"
+#include "sansmesh/points/orient_words.h"
 #include "sansmesh/points/spacing.h"
 
 namespace sansmesh::inline v1 {
@@ -85,6 +86,48 @@ GivenNormals judge_normals(const PointSet& points, double noise) {
     break;
   }
   return given;
+}
+
+namespace {
+
+bool has_normals(const GivenNormals& given) { return given.report.check != OrientationCheck::missing; }
+
+/// Only of normals that there are.
+std::optional<double> of_normals(const GivenNormals& given, double share) { return told_if(has_normals(given), share); }
+
+constexpr ReportRow kGivenNormalsRows[] = {
+    reported<&GivenNormals::oriented>({.text = "Whether the signs are consistent"}),
+    reported<[](const GivenNormals& r) { return of_normals(r, r.report.agreement); }>(
+        {.name = "agreement",
+         .text = "What neighbouring normals say of each other's signs: the share that confirms them",
+         .unit = "share"}),
+    reported<[](const GivenNormals& r) { return of_normals(r, r.report.related); }>(
+        {.name = "related",
+         .text = "Share of the normals that have to do with those of their neighbours",
+         .unit = "share"}),
+    reported<[](const GivenNormals& r) { return of_normals(r, r.report.outward); }>(
+        {.name = "outward",
+         .text = "Share of the samples in closed parts whose normals point outward",
+         .unit = "share"}),
+    reported<[](const GivenNormals& r) { return of_normals(r, r.report.inward); }>(
+        {.name = "inward", .text = "Share of the samples in closed parts whose normals point inward", .unit = "share"}),
+    reported<[](const GivenNormals& r) { return of_normals(r, r.report.open); }>(
+        {.name = "open", .text = "Share of the samples in parts without an outside", .unit = "share"}),
+    reported<[](const GivenNormals& r) { return told_if(has_normals(r), r.oriented_by || r.report.certain()); }>(
+        {.name = "certain", .text = "Whether that is sure"}),
+    reported<[](const GivenNormals& r) { return of_normals(r, r.report.doubt); }>(
+        {.name = "doubt",
+         .text = "Share of the samples around which normals do not enclose what they should",
+         .unit = "share"}),
+    reported<&GivenNormals::oriented_by>({.text = "The sensor that they look to", .choices = kOrientByWords}),
+    reported<[](const GivenNormals& r) { return told_if(r.oriented_by.has_value(), r.looking_away); }>(
+        {.name = "looking_away", .text = "Share of the normals that look away from it", .unit = "share"})};
+
+}  // namespace
+
+const ReportSchema& GivenNormals::schema() {
+  static constexpr ReportSchema schema{kGivenNormalsRows};
+  return schema;
 }
 
 }  // namespace sansmesh::inline v1

@@ -189,4 +189,19 @@ std::string noise_words(const NoiseEstimate& noise, double spacing) {
   return fmt::format("less than {:.1g}", std::max(noise.most, 1e-6 * spacing));
 }
 
+namespace {
+
+constexpr ReportRow kNoiseEstimateRows[] = {
+    reported<&NoiseEstimate::deviation>(
+        {.name = "noise", .text = "Standard deviation of the samples off the surface", .unit = "length"}),
+    reported<&NoiseEstimate::known>({.name = "noise_known", .text = "Whether noise and shape can be told apart"}),
+    reported<&NoiseEstimate::most>({.name = "most_noise", .text = "The noise is no more than this", .unit = "length"})};
+
+}  // namespace
+
+const ReportSchema& NoiseEstimate::schema() {
+  static constexpr ReportSchema schema{kNoiseEstimateRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -600,4 +600,21 @@ void BakedVolume::ranges(std::span<const Box3> boxes, std::span<ValueRange> foun
   });
 }
 
+namespace {
+
+constexpr ReportRow kBakeReportRows[] = {
+    reported<&BakeReport::bricks>({.text = "Bricks that the field was baked into"}),
+    reported<&BakeReport::bytes>({.text = "Memory of the bricks", .unit = "bytes"}),
+    reported<&BakeReport::finished>({.text = "Whether they are as fine as was asked for"}),
+    reported<&BakeReport::checked>({.text = "Places at which errors were found"}),
+    reported<&BakeReport::error_mean>({.text = "Mean error there", .unit = "share of the range"}),
+    reported<&BakeReport::error_most>({.text = "Largest error there", .unit = "share of the range"})};
+
+}  // namespace
+
+const ReportSchema& BakeReport::schema() {
+  static constexpr ReportSchema schema{kBakeReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "sansmesh/progress.h"
+#include "sansmesh/report.h"
 #include "sansmesh/vec.h"
 #include "sansmesh/volume_field.h"
 #include "sansmesh/volume_look.h"

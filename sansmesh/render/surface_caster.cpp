@@ -326,4 +326,19 @@ void SurfaceCaster::feet(std::span<Vec3f> positions, std::span<Vec3f> normals) c
   });
 }
 
+namespace {
+
+constexpr ReportRow kCastCountsRows[] = {
+    reported<&CastCounts::rays>({.name = "cast", .text = "Rays that were cast"}),
+    reported<&CastCounts::hits>({.name = "hit", .text = "Rays that hit the surface"}),
+    reported<[](const CastCounts& r) { return r.hit_evaluations + r.miss_evaluations; }>(
+        {.name = "evaluations", .text = "Evaluations of the surface for these"})};
+
+}  // namespace
+
+const ReportSchema& CastCounts::schema() {
+  static constexpr ReportSchema schema{kCastCountsRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -413,4 +413,23 @@ Image render_volume(const VolumeSubject& subject, const VolumePictureOptions& op
   return picture.render(options, progress, report);
 }
 
+namespace {
+
+constexpr ReportRow kVolumePictureReportRows[] = {
+    reported<[](const VolumePictureReport& r) { return r.transfer.range().first; }>(
+        {.name = "colors.lower", .text = "Value of the first colour", .unit = "unit of the array"}),
+    reported<[](const VolumePictureReport& r) { return r.transfer.range().second; }>(
+        {.name = "colors.upper", .text = "Value of the last colour", .unit = "unit of the array"}),
+    reported<&VolumePictureReport::why>({.text = "Reason for these colours, if they were chosen"}),
+    reported<&VolumePictureReport::rays>({.text = "Rays"}),
+    reported<&VolumePictureReport::evaluations>({.text = "Evaluations for these"}),
+    reported<&VolumePictureReport::notes>({.text = "What may not be as wished"})};
+
+}  // namespace
+
+const ReportSchema& VolumePictureReport::schema() {
+  static constexpr ReportSchema schema{kVolumePictureReportRows};
+  return schema;
+}
+
 }  // namespace sansmesh::inline v1

@@ -55,7 +55,8 @@ ArgumentError wrong_kind(const OptionRow& row, const OptionValue& value) {
       wanted = "a list of texts";
       break;
     case OptionKind::group:
-      wanted = "a group of options";
+    case OptionKind::steps:
+      wanted = "set by its parts";
       break;
   }
   return ArgumentError(
@@ -108,6 +109,7 @@ OptionValue checked(const OptionRow& row, const OptionValue& value) {
       if (!std::holds_alternative<std::vector<std::string>>(value)) throw wrong_kind(row, value);
       return value;
     case OptionKind::group:
+    case OptionKind::steps:
       break;
   }
   throw wrong_kind(row, value);
@@ -117,7 +119,7 @@ OptionValue checked(const OptionRow& row, const OptionValue& value) {
 void for_each_pair(std::span<const OptionRow> rows, void* options, void* usual,
                    const std::function<void(const OptionRow&, void*, void*)>& use) {
   for (const OptionRow& row : rows)
-    if (row.kind == OptionKind::group)
+    if (row.kind == OptionKind::group || row.kind == OptionKind::steps)
       for_each_pair(row.rows, row.part(options), row.part(usual), use);
     else
       use(row, options, usual);

@@ -192,7 +192,7 @@ TEST_F(EditCommands, MeshAtADepth) {
   const Json coarse = json_of({"mesh", "owl.smf", "-o", "b.ply", "--block-depth", "4"});
   EXPECT_LT(coarse["output"]["triangles"].get<int>(), full / 2);
   EXPECT_TRUE(coarse["output"]["closed"]);
-  EXPECT_LE(coarse["depth"].get<int>(), 4);
+  EXPECT_LE(coarse["block_depth"].get<int>(), 4);
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 namespace sansmesh::test {
 namespace {
 
+using Json = nlohmann::json;
+
 /// A spiral around the unit sphere, times `size`.
 std::string sphere_cloud(double size) {
   std::string text;

@@ -176,11 +176,11 @@ TEST_F(Flags, ReconstructTellsBothTreesApart) {
     EXPECT_EQ(both["fits"], fit["fits"]);
     EXPECT_EQ(both["fit_depth"], fit["depth"]);
     EXPECT_EQ(both["blocks"], mesh["blocks"]);
-    EXPECT_EQ(both["block_depth"], mesh["depth"]);
+    EXPECT_EQ(both["block_depth"], mesh["block_depth"]);
     EXPECT_EQ(slurp(path("a.ply")), slurp(path("b.ply")));
     const std::string line = run(one).out;
     EXPECT_NE(line.find("fits down to depth " + fit["depth"].dump() + ", meshed in "), std::string::npos) << line;
-    EXPECT_NE(line.find("blocks down to depth " + mesh["depth"].dump() + "\n"), std::string::npos) << line;
+    EXPECT_NE(line.find("blocks down to depth " + mesh["block_depth"].dump() + "\n"), std::string::npos) << line;
   }
   const Json other = json_of({"reconstruct", "ring.ply", "-o", "a.ply", "--surface", "apss"});
   EXPECT_EQ(other["fits"], 0);

@@ -150,6 +150,7 @@ TEST_F(RepairCommands, WhatIsSaidOfTheOutputIsTheSame) {
                             {"vertices", written.vertices.size()},
                             {"triangles", written.triangles.size()},
                             {"closed", t.closed()},
+                            {"components", t.components},
                             {"boundary_edges", t.boundary_edges}}))
         << command;
   }

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Holds what `sansmesh schema` tells to tests/cli/schema.txt: a line for each option with its kind, unit, range and words, for
+"""Holds what `sansmesh schema` tells to tests/cli/schema.txt: a line for each option and each key of --json with its kind, unit, range and words, for
 each surface, reconstruction of volumes and format. Programs, bindings and pages are made from it, so that a name which goes,
 or changes its meaning, is seen here first.
 
@@ -46,6 +46,9 @@ def lines_of(schema):
         yield f"{command['name']}:"
         for option in command["options"]:
             yield f"  {line_of(option)}"
+        for row in command["report"]:
+            yield f"  tells {row['key']} {row['kind']}" + (f" [{row['unit']}]" if "unit" in row else "") + (
+                f" {'|'.join(row['choices'])}" if "choices" in row else "")
 
 
 def main():

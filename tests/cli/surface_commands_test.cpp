@@ -124,9 +124,9 @@ TEST_F(SurfaceCommands, CurvatureOfASphere) {
   write_sphere("ball.ply", 2000, 0, 5);
   const Json json =
       json_of({"curvature", "ball.ply", "-o", "curved.ply", "--preview", "curved.png", "--color-by", "k1"});
-  EXPECT_NEAR(json["k1"]["median"].get<double>(), 0.2, 0.004);
-  EXPECT_NEAR(json["k1"]["q05"].get<double>(), 0.2, 0.01);
-  EXPECT_NEAR(json["k1"]["q95"].get<double>(), 0.2, 0.01);
+  EXPECT_NEAR(json["quantiles"]["median"].get<double>(), 0.2, 0.004);
+  EXPECT_NEAR(json["quantiles"]["q05"].get<double>(), 0.2, 0.01);
+  EXPECT_NEAR(json["quantiles"]["q95"].get<double>(), 0.2, 0.01);
   EXPECT_EQ(json["undefined"], 0);
   EXPECT_EQ(json["input"]["points"], 2000);
   expect_picture("curved.png");
@@ -139,7 +139,7 @@ TEST_F(SurfaceCommands, CurvatureOfASphere) {
   EXPECT_EQ(points.colors.size(), 2000u);
   EXPECT_LT(off_sphere(points, 5), 1e-4) << "points stay where they are";
   const Json gaussian = json_of({"curvature", "ball.ply", "-o", "curved.ply", "--color-by", "gaussian"});
-  EXPECT_NEAR(gaussian["gaussian"]["median"].get<double>(), 0.04, 0.002);
+  EXPECT_NEAR(gaussian["quantiles"]["median"].get<double>(), 0.04, 0.002);
 }
 
 TEST_F(SurfaceCommands, CurvatureOfAMeshIsAtItsVertices) {
@@ -149,7 +149,7 @@ TEST_F(SurfaceCommands, CurvatureOfAMeshIsAtItsVertices) {
   write_mesh(path("coarse.ply"), coarse);
   const Json json = json_of({"curvature", "coarse.ply", "-o", "curved.ply"});
   EXPECT_EQ(json["input"]["points"], coarse.vertices.size());
-  EXPECT_NEAR(json["mean"]["median"].get<double>(), 1, 1e-3);
+  EXPECT_NEAR(json["quantiles"]["median"].get<double>(), 1, 1e-3);
   EXPECT_EQ(json["undefined"], 0);
   EXPECT_TRUE(json["warnings"].empty()) << json["warnings"];
   const TriangleMesh curved = read_mesh(path("curved.ply"));
@@ -182,7 +182,7 @@ TEST_F(SurfaceCommands, CurvatureOfFewOrFlatVertices) {
   write_mesh(path("flat.ply"), flat);
   const Json json = json_of({"curvature", "flat.ply", "-o", "c.ply"});
   EXPECT_EQ(json["undefined"], 0);
-  EXPECT_NEAR(json["mean"]["q95"].get<double>(), 0, 1e-6);
+  EXPECT_NEAR(json["quantiles"]["q95"].get<double>(), 0, 1e-6);
 }
 
 TEST_F(SurfaceCommands, CurvatureAsATable) {

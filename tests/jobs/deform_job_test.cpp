@@ -182,9 +182,9 @@ TEST(DeformJob, MeshesAreRefinedAndOpenedAlongCuts) {
   const UsePose look = [&](int, const DeformedPose& made) {
     loops = measure_topology(std::get<TriangleMesh>(made)).boundary_loops;
   };
-  EXPECT_GT(deform(mesh, "m", cut, DeformAim::shape, {}, look, progress).report.cut.faces, 0u);
+  EXPECT_GT(deform(mesh, "m", cut, DeformAim::shape, {}, look, progress).report.cut->faces, 0u);
   EXPECT_EQ(loops, 0u);
-  EXPECT_EQ(deform(mesh, "m", cut, DeformAim::shape, {.cut_open = true}, look, progress).report.cut.faces, 0u);
+  EXPECT_EQ(deform(mesh, "m", cut, DeformAim::shape, {.cut_open = true}, look, progress).report.cut->faces, 0u);
   EXPECT_EQ(loops, 1u);
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "sansmesh/error.h"
+#include "sansmesh/functions.h"
 #include "sansmesh/pictures.h"
 #include "support/clouds.h"
 #include "support/mesh_shapes.h"

@@ -8,7 +8,6 @@
 
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
-#include "sansmesh/motion_pictures.h"
 #include "sansmesh/simulate.h"
 
 namespace sansmesh::test {

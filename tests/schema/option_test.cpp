@@ -32,11 +32,8 @@ struct Inner {
   static constexpr OptionRow rows[] = {option<&Inner::width>({.text = "Pixels", .range = {1, 16384}})};
 };
 
-struct Common {
+struct Options {
   bool clean = true;
-};
-
-struct Options : Common {
   std::optional<int> rounds = {};
   double strength = 0.6;
   std::optional<double> angle = {};
@@ -49,9 +46,8 @@ struct Options : Common {
   Inner inner = {};
 
   static const OptionSchema& schema() {
-    static constexpr OptionRow common[] = {option<&Common::clean>({.text = "Clean"})};
     static constexpr OptionRow rows[] = {
-        option_base<Common, Options>(common),
+        option<&Options::clean>({.text = "Clean"}),
         option<&Options::rounds>({.text = "Rounds", .from_data = "10", .range = {1, 100}, .excludes = "strength"}),
         option<&Options::strength>({.text = "Strength", .range = positive(0.65)}),
         option<&Options::angle>({.text = "Angle", .unit = "degrees", .needs = "creases"}),

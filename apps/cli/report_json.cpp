@@ -1,0 +1,101 @@
+#include "report_json.h"
+
+#include <set>
+#include <type_traits>
+#include <utility>
+
+namespace sansmesh::cli {
+namespace {
+
+Json json_of_value(const ReportValue& value) {
+  return std::visit(
+      [](const auto& v) -> Json {
+        using T = std::decay_t<decltype(v)>;
+        if constexpr (std::is_same_v<T, std::monostate>) {
+          return nullptr;
+        } else if constexpr (std::is_same_v<T, ReportCounts>) {
+          Json counts = Json::object();
+          for (const auto& [name, count] : v) counts[name] = count;
+          return counts;
+        } else {
+          return v;
+        }
+      },
+      value);
+}
+
+void put_rows(Json& object, const ReportSchema& schema, const void* report);
+
+/// The value of a row; of a report that is there, or of a list, what it holds.
+Json json_of_row(const ReportRow& row, const void* report) {
+  if (row.get) return json_of_value(report_value(row, report));
+  Json json = row.kind == ReportKind::reports ? Json::array() : Json();
+  row.each(report, [&](const void* part) {
+    Json one = Json::object();
+    put_rows(one, row.part(), part);
+    if (row.kind == ReportKind::reports)
+      json.push_back(std::move(one));
+    else
+      json = std::move(one);
+  });
+  return json;
+}
+
+void put_rows(Json& object, const ReportSchema& schema, const void* report) {
+  for (const ReportRow& row : schema.rows) {
+    if (row.beside) {
+      row.each(report, [&](const void* part) { put_rows(object, row.part(), part); });
+      continue;
+    }
+    Json json = json_of_row(row, report);
+    // Nothing is told of a report that is not there.
+    if (Json* const place = object.at(row.name, !json.is_null())) *place = std::move(json);
+  }
+}
+
+constexpr std::string_view kKinds[] = {"flag",    "whole", "real",  "text",   "choice", "wholes",
+                                       "numbers", "texts", "table", "counts", "report", "reports"};
+
+/// Keys that several reports have are listed once.
+void push_rows(Json& list, std::string_view before, const ReportSchema& schema, std::set<std::string>& known) {
+  for (const ReportRow& row : schema.rows) {
+    if (row.beside) {
+      push_rows(list, before, row.part(), known);
+      continue;
+    }
+    const std::string key = std::string(before) + (before.empty() ? "" : ".") + std::string(row.name);
+    if (known.insert(key).second) {
+      Json json = {{"key", key}, {"kind", kKinds[static_cast<std::size_t>(row.kind)]}, {"text", row.text}};
+      if (!row.unit.empty()) json["unit"] = row.unit;
+      if (!row.choices.empty()) json["choices"] = std::vector(row.choices.begin(), row.choices.end());
+      if (row.optional) json["optional"] = true;
+      list.push_back(std::move(json));
+    }
+    if (row.part) push_rows(list, row.kind == ReportKind::reports ? key + "[]" : key, row.part(), known);
+  }
+}
+
+}  // namespace
+
+void put_report(Json& object, std::string_view key, const ReportSchema& schema, const void* report) {
+  put_rows(key.empty() ? object : *object.at(key, true), schema, report);
+}
+
+void push_report(Json& object, std::string_view key, const ReportSchema& schema, const void* report) {
+  Json one = Json::object();
+  put_rows(one, schema, report);
+  object.at(key, true)->push_back(std::move(one));
+}
+
+Json json_of_keys(const std::vector<ToldReport>& told) {
+  Json list = Json::array();
+  std::set<std::string> known;
+  for (const ToldReport& one : told)
+    if (one.schema)
+      push_rows(list, std::string(one.key) + (one.list ? "[]" : ""), *one.schema, known);
+    else
+      push_rows(list, "", ReportSchema{{&one.value, 1}}, known);
+  return list;
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,294 @@
+// Reports as data. Each report struct lists what it tells once, as rows; JSON, the list of its keys and the results of
+// other languages are made from the rows.
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "sansmesh/api.h"
+#include "sansmesh/box.h"
+#include "sansmesh/vec.h"
+
+namespace sansmesh::inline v1 {
+
+/// Numbers of things with names that depend on the data.
+using ReportCounts = std::vector<std::pair<std::string, std::int64_t>>;
+
+/// The value of a field of any report. Nothing: there is none.
+using ReportValue =
+    std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<std::int64_t>,
+                 std::vector<double>, std::vector<std::string>, std::vector<std::vector<double>>, ReportCounts>;
+
+enum class ReportKind : std::uint8_t {
+  flag,
+  whole,
+  real,
+  text,
+  choice,   ///< one of a few words
+  wholes,   ///< a list
+  numbers,  ///< a list; NaN where one of them is not known
+  texts,
+  table,   ///< a list of lists of numbers: the corners of a box, the rows of a matrix
+  counts,  ///< whole numbers by names
+  report,  ///< another report, or none
+  reports  ///< a list of them
+};
+
+/// What is said of a row besides its field.
+struct ReportFacts {
+  std::string_view name = {};  ///< where it is not the field's: "moved.rms" is `rms` of a group `moved`
+  std::string_view text = {};  ///< a sentence without its full stop
+  std::string_view unit = {};  ///< "length", "degrees", "share", "s", …
+  std::span<const std::string_view> choices = {};  ///< the words of a choice, in the order of the enumerators
+};
+
+struct ReportRow;
+
+/// All that a struct tells.
+struct ReportSchema {
+  std::span<const ReportRow> rows;
+};
+
+using UsePart = std::function<void(const void* part)>;
+
+struct ReportRow : ReportFacts {
+  ReportKind kind = ReportKind::flag;
+  bool optional = false;  ///< there may be none
+  bool beside = false;    ///< of a report: its rows stand beside the others, without a name
+  ReportValue (*get)(const void* report) = nullptr;
+  const ReportSchema& (*part)() = nullptr;                         ///< of a report or several
+  void (*each)(const void* report, const UsePart& use) = nullptr;  ///< calls for each of these
+};
+
+/// A struct with a schema: `static const ReportSchema& schema();`.
+template <class T>
+concept HasReport = requires {
+  { T::schema() } -> std::same_as<const ReportSchema&>;
+};
+
+namespace report_detail {
+
+/// The struct that a getter takes: a member, a member function, or a function without a state.
+template <class T>
+struct OwnerOf : OwnerOf<decltype(&T::operator())> {};
+template <class T, class Owner>
+struct OwnerOf<T Owner::*> {
+  using type = Owner;
+};
+template <class Lambda, class T, class Owner>
+struct OwnerOf<T (Lambda::*)(const Owner&) const> {
+  using type = Owner;
+};
+
+template <auto getter>
+using Owner = typename OwnerOf<decltype(getter)>::type;
+template <auto getter>
+using Told = std::remove_cvref_t<std::invoke_result_t<decltype(getter), const Owner<getter>&>>;
+
+/// The name of a field or member function, as the compiler spells it.
+template <auto getter>
+consteval std::string_view name_of() {
+  std::string_view text = __PRETTY_FUNCTION__;
+  text = text.substr(text.find("getter = "));
+  text = text.substr(0, text.find_first_of(";]"));
+  return text.substr(text.rfind(':') + 1);
+}
+
+template <class T>
+struct ItemOf {};
+template <class T>
+struct ItemOf<std::vector<T>> {
+  using type = T;
+};
+template <class T, std::size_t n>
+struct ItemOf<std::array<T, n>> {
+  using type = T;
+};
+template <class T>
+concept IsList = requires {
+  typename ItemOf<T>::type;
+};
+template <class T>
+struct IsOptional : std::false_type {};
+template <class T>
+struct IsOptional<std::optional<T>> : std::true_type {};
+
+template <class T>
+concept IsPlace = std::same_as<T, Vec3> || std::same_as<T, Vec3f>;
+
+inline std::vector<double> numbers_of(const Vec3& p) { return {p.x, p.y, p.z}; }
+
+/// How a value is told.
+template <class T>
+constexpr ReportKind kind_of() {
+  if constexpr (IsOptional<T>::value)
+    return kind_of<typename T::value_type>();
+  else if constexpr (std::same_as<T, bool>)
+    return ReportKind::flag;
+  else if constexpr (std::integral<T>)
+    return ReportKind::whole;
+  else if constexpr (std::floating_point<T>)
+    return ReportKind::real;
+  else if constexpr (std::is_enum_v<T>)
+    return ReportKind::choice;
+  else if constexpr (HasReport<T>)
+    return ReportKind::report;
+  else if constexpr (IsPlace<T>)
+    return ReportKind::numbers;
+  else if constexpr (std::same_as<T, Box3>)
+    return ReportKind::table;
+  else if constexpr (std::convertible_to<T, std::string_view>)
+    return ReportKind::text;
+  else if constexpr (std::same_as<T, ReportCounts>)
+    return ReportKind::counts;
+  else if constexpr (HasReport<typename ItemOf<T>::type>)
+    return ReportKind::reports;
+  else {
+    constexpr ReportKind item = kind_of<typename ItemOf<T>::type>();
+    return item == ReportKind::whole  ? ReportKind::wholes
+           : item == ReportKind::text ? ReportKind::texts
+           : item == ReportKind::real ? ReportKind::numbers
+                                      : ReportKind::table;
+  }
+}
+
+template <class T>
+ReportValue value_of(const T& v) {
+  constexpr ReportKind kind = kind_of<T>();
+  if constexpr (IsOptional<T>::value) {
+    return v ? value_of(*v) : ReportValue();
+  } else if constexpr (kind == ReportKind::real) {
+    return static_cast<double>(v);
+  } else if constexpr (kind == ReportKind::flag || kind == ReportKind::counts) {
+    return v;
+  } else if constexpr (kind == ReportKind::whole || kind == ReportKind::choice) {
+    return static_cast<std::int64_t>(v);
+  } else if constexpr (kind == ReportKind::text) {
+    return std::string(v);
+  } else if constexpr (IsPlace<T>) {
+    return numbers_of(Vec3(v));
+  } else if constexpr (std::same_as<T, Box3>) {
+    return v.empty() ? ReportValue() : std::vector{numbers_of(v.lower), numbers_of(v.upper)};
+  } else if constexpr (kind == ReportKind::wholes) {
+    return std::vector<std::int64_t>(v.begin(), v.end());
+  } else if constexpr (kind == ReportKind::texts) {
+    return std::vector<std::string>(v.begin(), v.end());
+  } else if constexpr (kind == ReportKind::table) {
+    std::vector<std::vector<double>> table;
+    for (const auto& line : v) {
+      using Line = std::remove_cvref_t<decltype(line)>;
+      if constexpr (std::same_as<Line, Box3>)
+        table.push_back({line.lower.x, line.lower.y, line.lower.z, line.upper.x, line.upper.y, line.upper.z});
+      else if constexpr (IsPlace<Line>)
+        table.push_back(numbers_of(Vec3(line)));
+      else
+        table.emplace_back(line.begin(), line.end());
+    }
+    return table;
+  } else {
+    std::vector<double> numbers;
+    for (const auto& one : v) {
+      if constexpr (IsOptional<std::remove_cvref_t<decltype(one)>>::value)
+        numbers.push_back(one.value_or(std::numeric_limits<double>::quiet_NaN()));
+      else
+        numbers.push_back(one);
+    }
+    return numbers;
+  }
+}
+
+/// The report type of a report, of one that there may be, or of a list of them.
+template <class T>
+struct PartOf {
+  using type = T;
+};
+template <class T>
+struct PartOf<std::optional<T>> {
+  using type = T;
+};
+template <IsList T>
+struct PartOf<T> {
+  using type = typename ItemOf<T>::type;
+};
+
+template <class T>
+void use_parts(const T& v, const UsePart& use) {
+  if constexpr (IsOptional<T>::value) {
+    if (v) use(&*v);
+  } else if constexpr (IsList<T>) {
+    for (const auto& one : v) use(&one);
+  } else {
+    use(&v);
+  }
+}
+
+}  // namespace report_detail
+
+/// The row of a field, `reported<&SmoothReport::mean_edge>({.text = "Mean length of the edges", .unit = "length"})`. In
+/// place of the field a member function, or a lambda of the struct, whose row needs a name.
+template <auto getter>
+constexpr ReportRow reported(const ReportFacts& facts) {
+  using Owner = report_detail::Owner<getter>;
+  using Told = report_detail::Told<getter>;
+  ReportRow row;
+  static_cast<ReportFacts&>(row) = facts;
+  if constexpr (std::is_member_pointer_v<decltype(getter)>)
+    if (row.name.empty()) row.name = report_detail::name_of<getter>();
+  row.kind = report_detail::kind_of<Told>();
+  row.optional = report_detail::IsOptional<Told>::value;
+  if constexpr (report_detail::kind_of<Told>() == ReportKind::report ||
+                report_detail::kind_of<Told>() == ReportKind::reports) {
+    row.part = &report_detail::PartOf<Told>::type::schema;
+    row.each = [](const void* report, const UsePart& use) {
+      report_detail::use_parts<Told>(std::invoke(getter, *static_cast<const Owner*>(report)), use);
+    };
+  } else {
+    row.get = [](const void* report) {
+      return report_detail::value_of<Told>(std::invoke(getter, *static_cast<const Owner*>(report)));
+    };
+  }
+  return row;
+}
+
+/// The rows of a report within a struct, which stand beside the others.
+template <auto getter>
+constexpr ReportRow reported_beside() {
+  ReportRow row = reported<getter>({});
+  row.beside = true;
+  return row;
+}
+
+/// The rows of a base of a struct, which stand beside the others.
+template <class Base, class Derived>
+constexpr ReportRow reported_base() {
+  ReportRow row;
+  row.kind = ReportKind::report;
+  row.beside = true;
+  row.part = &Base::schema;
+  row.each = [](const void* report, const UsePart& use) {
+    use(static_cast<const Base*>(static_cast<const Derived*>(report)));
+  };
+  return row;
+}
+
+/// A value that is told only where something holds.
+template <class T>
+std::optional<T> told_if(bool holds, T value) {
+  return holds ? std::optional<T>(std::move(value)) : std::nullopt;
+}
+
+/// The value of a row, choices as words. Not of reports.
+SANSMESH_API ReportValue report_value(const ReportRow& row, const void* report);
+
+}  // namespace sansmesh::inline v1

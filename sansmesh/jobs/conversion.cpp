@@ -1,0 +1,200 @@
+#include "sansmesh/convert.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
+#include "sansmesh/jobs/cloud_or_mesh.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+/// Does a step; what is to be said comes back.
+struct DoStep {
+  CloudOrMesh& data;
+  const std::string& unit;  ///< of the input
+  AboutStep about_now = {};
+
+  std::string about(const AffineMap& map, const std::optional<Vec3>& place, bool center) const {
+    const AboutStep own{place, center}, &used = place || center ? own : about_now;
+    if (used.center) return move_all(data, map.about(data.bounds().center()));
+    return move_all(data, used.place ? map.about(*used.place) : map);
+  }
+
+  std::string operator()(const AboutStep& s) {
+    about_now = s;
+    return {};
+  }
+
+  std::string operator()(const TransformStep& s) const { return move_all(data, s.inverse ? s.map.inverse() : s.map); }
+  std::string operator()(const TranslateStep& s) const { return move_all(data, AffineMap::translation(s.by)); }
+  std::string operator()(const CenterStep&) const {
+    return move_all(data, AffineMap::translation(-data.bounds().center()));
+  }
+  std::string operator()(const RotateStep& s) const {
+    return about(AffineMap::rotation(s.axis, s.degrees), s.about, s.about_center);
+  }
+  std::string operator()(const ScaleStep& s) const {
+    return about(AffineMap::scaling(s.factors), s.about, s.about_center);
+  }
+  std::string operator()(const AxesStep& s) const { return move_all(data, axes_map(s.axes)); }
+  std::string operator()(const UpStep& s) const {
+    return move_all(data, axes_map(s.to == StepUp::z ? "x,-z,y" : "x,z,-y"));
+  }
+  std::string operator()(const UnitStep& s) const {
+    const double factor = meters_of_unit(s.from.empty() ? unit : s.from) / meters_of_unit(s.to);
+    return move_all(data, AffineMap::scaling({factor, factor, factor}));
+  }
+  std::string operator()(const CropStep& s) const { return crop_to_box(data, s.box, s.inside); }
+  std::string operator()(const SpacingStep& s) const { return keep_apart(data, s.distance); }
+  std::string operator()(const CountStep& s) const { return keep_count(data, s.count); }
+  std::string operator()(const EveryStep& s) const { return keep_every(data, s.every); }
+  std::string operator()(const ChooseStep& s) const { return choose_attributes(data, s.names, s.keep); }
+  std::string operator()(const WeldStep& s) const { return weld_places(data, s.distance); }
+  std::string operator()(const FlipStep& s) const { return flip_sides(data, s.faces, s.normals); }
+};
+
+/// "`box` leaves nothing …".
+std::string in_accents(std::string_view name) { return "`" + std::string(name) + "`"; }
+
+ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step, DoStep& how) {
+  ConvertedBy done{.step = step_name(step), .remark = {}, .triangles = {}};
+  const Box3 box = data.bounds();
+  const std::string before = data.size_words();
+  try {
+    done.remark = std::visit(how, step);
+  } catch (const DataError& error) {
+    const std::string cause = error.what();
+    const bool sentence = cause.starts_with("a ") || cause.starts_with("there ");
+    throw DataError(in_accents(done.step) + (sentence ? ": " : " ") + cause);
+  }
+  if (data.size() == 0 || (data.is_mesh && data.mesh.triangles.empty()))
+    throw DataError(fmt::format(
+        "{} leaves nothing of {} between ({:.10g}, {:.10g}, {:.10g}) and ({:.10g}, {:.10g}, {:.10g})",
+        in_accents(done.step), before, box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z));
+  done.size = data.size();
+  if (data.is_mesh) done.triangles = data.mesh.triangles.size();
+  return done;
+}
+
+}  // namespace
+
+const OptionSchema& ConvertOptions::schema() {
+  using O = ConvertOptions;
+  static const OptionRow rows[] = {
+      option<&O::vertices_only>({.text = "Of a mesh the vertices alone", .old_name = "points"}),
+      option<&O::unit>(
+          {.text = "Of the input's lengths, for `to_unit`: um, mm, cm, m, km, in, ft or us-ft", .unit = "unit"}),
+      option_steps<&O::steps>(convert_step_rows())};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
+void ConvertOptions::validate() const {
+  if (!unit.empty()) meters_of_unit(unit);
+  std::size_t units = 0;
+  bool about_waits = false;
+  for (const ConvertStep& step : steps) {
+    validate_step(step);
+    if (const auto* const to = std::get_if<UnitStep>(&step)) units += to->from.empty();
+    if (std::holds_alternative<AboutStep>(step)) about_waits = true;
+    if (std::holds_alternative<RotateStep>(step) || std::holds_alternative<ScaleStep>(step)) about_waits = false;
+  }
+  if (units > 1) throw ArgumentError("`to_unit` is given twice");
+  if ((units == 0) != unit.empty())
+    throw ArgumentError("`unit` and `to_unit` belong together: from which unit to which");
+  if (about_waits) throw ArgumentError("`about` is for `rotate` and `scale` after it, and none follows");
+}
+
+void check_converted(const std::string& file, bool as_points) {
+  const bool mesh = is_written(file, "mesh"), points = is_written(file, "points");
+  if (!mesh && !points && is_read(file))
+    throw FileError(file, "this format is read, not written; .ply, .vtp, .las and .csv hold whatever it does");
+  check_writable(file, mesh && !(as_points && points) ? "mesh" : "points");
+}
+
+std::vector<Note> fit_to_format(CloudOrMesh& data, const std::string& file) {
+  std::vector<Note> notes;
+  if (data.is_mesh && !is_written(file, "mesh")) {
+    notes.push_back(
+        {.code = "no_faces",
+         .text = fmt::format("holds points only: {} left out", counted(data.mesh.triangles.size(), "triangle")),
+         .remedy = {},
+         .of = file});
+    data.make_points();
+  }
+  if (!data.is_mesh && !is_written(file, "points"))
+    throw FileError(file,
+                    "is of a format for meshes, and there are only points; a reconstruction makes a mesh of them, "
+                    ".ply .obj .xyz .csv .pcd .vtp .las hold points");
+  return notes;
+}
+
+ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& progress) {
+  options.validate();
+  ConvertResult result{CloudOrMesh(std::move(read)), {}, {}};
+  CloudOrMesh& data = result.data;
+  result.report.size_words = data.size_words();
+  result.report.size = data.size(), result.report.triangles = data.mesh.triangles.size();
+  if (options.vertices_only) data.make_points();
+  DoStep how{data, options.unit};
+  for (const ConvertStep& step : options.steps) {
+    progress.begin(std::string(step_name(step)));
+    result.report.steps.push_back(do_step(data, step, how));
+  }
+  if (data.nonmanifold_edges_of_weld > 0)
+    result.notes.push_back(
+        {.code = "nonmanifold_weld",
+         .text = fmt::format("`weld` has made {} of three triangles or more: the mesh is not manifold there",
+                             counted(data.nonmanifold_edges_of_weld, "edge")),
+         .remedy = {}});
+  if (!data.unturned.empty())
+    result.notes.push_back({.code = "unturned",
+                            .text = fmt::format("attributes of three numbers are not turned: {}",
+                                                printable(fmt::format("{}", fmt::join(data.unturned, ", ")))),
+                            .remedy = {}});
+  return result;
+}
+
+namespace {
+
+constexpr ReportRow kConvertedByRows[] = {
+    reported<[](const ConvertedBy& r) { return std::string(r.step); }>({.name = "step", .text = "Step"}),
+    reported<[](const ConvertedBy& r) { return told_if(!r.triangles, r.size); }>(
+        {.name = "points", .text = "Points that there are after it"}),
+    reported<[](const ConvertedBy& r) { return told_if(r.triangles.has_value(), r.size); }>(
+        {.name = "vertices", .text = "Vertices that there are after it"}),
+    reported<&ConvertedBy::triangles>({.text = "Triangles that there are after it"}),
+    reported<[](const ConvertedBy& r) { return told_if(!r.remark.empty(), r.remark); }>(
+        {.name = "remark", .text = "What became of the data, in words"})};
+
+}  // namespace
+
+const ReportSchema& ConvertedBy::schema() {
+  static constexpr ReportSchema schema{kConvertedByRows};
+  return schema;
+}
+
+namespace {
+
+constexpr ReportRow kConvertReportRows[] = {
+    reported<[](const ConvertReport& r) { return told_if(r.triangles == 0, r.size); }>(
+        {.name = "input.points", .text = "Points that came"}),
+    reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.size); }>(
+        {.name = "input.vertices", .text = "Vertices that came"}),
+    reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.triangles); }>(
+        {.name = "input.triangles", .text = "Triangles that came"}),
+    reported<&ConvertReport::steps>({.text = "Steps, one after the other"})};
+
+}  // namespace
+
+const ReportSchema& ConvertReport::schema() {
+  static constexpr ReportSchema schema{kConvertReportRows};
+  return schema;
+}
+
+}  // namespace sansmesh::inline v1

@@ -1,0 +1,56 @@
+#include "sansmesh/jobs/frame_names.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <system_error>
+
+#include "sansmesh/error.h"
+
+namespace sansmesh::inline v1 {
+
+namespace {
+
+void check_holds_several(const std::string& file) {
+  if (file.starts_with("/dev/stdout")) throw ArgumentError("standard output holds one file, not several");
+}
+
+}  // namespace
+
+std::string frame_name(const std::string& output, std::size_t frame, int digits) {
+  check_holds_several(output);
+  const std::filesystem::path path(output);
+  return (path.parent_path() /
+          fmt::format("{}_{:0{}}{}", path.stem().string(), frame, digits, path.extension().string()))
+      .string();
+}
+
+std::string motion_frame_name(const std::string& output, std::size_t frame) { return frame_name(output, frame, 4); }
+
+std::string part_name(const std::string& file, std::size_t number, std::size_t parts) {
+  check_holds_several(file);
+  const std::filesystem::path path(file);
+  std::string name = path.filename().string();
+  std::string endings = path.extension().string();
+  if (endings == ".gz" || endings == ".GZ") endings = path.stem().extension().string() + endings;
+  name.resize(name.size() - endings.size());
+  const std::size_t width = std::max<std::size_t>(3, std::to_string(parts).size());
+  return (path.parent_path() / fmt::format("{}_{:0{}}{}", name, number, width, endings)).string();
+}
+
+void check_inputs_stay(const std::vector<std::string>& inputs, const std::vector<std::string>& results) {
+  const auto place = [](const std::string& file) {
+    std::error_code ignored;
+    return std::filesystem::weakly_canonical(file, ignored);
+  };
+  std::set<std::filesystem::path> known;
+  for (const std::string& file : inputs)
+    if (!file.empty()) known.insert(place(file));
+  for (const std::string& file : results)
+    if (!file.empty() && known.contains(place(file)))
+      throw FileError(file, "is an input, which a result would overwrite");
+}
+
+}  // namespace sansmesh::inline v1

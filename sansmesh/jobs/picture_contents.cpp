@@ -1,0 +1,64 @@
+#include "sansmesh/jobs/picture_contents.h"
+
+#include <utility>
+
+#include "sansmesh/error.h"
+#include "sansmesh/function/fitted_function.h"
+#include "sansmesh/io.h"
+#include "sansmesh/model/surface_model.h"
+#include "sansmesh/render/surface_caster.h"
+#include "sansmesh/surface_function.h"
+
+namespace sansmesh::inline v1 {
+
+/// Samples of a surface, or a function, that is seen without a mesh.
+struct PictureContents::SeenSurface {
+  SurfaceModel model;
+  SurfaceCaster caster;
+
+  explicit SeenSurface(SurfaceModel made, Progress& progress) : model(std::move(made)), caster(cast(model, progress)) {}
+  static SurfaceCaster cast(const SurfaceModel& model, Progress& progress) {
+    return model.projection() ? SurfaceCaster(*model.projection(), model.balls(), {})
+                              : SurfaceCaster(model.field(progress), model.balls(), {});
+  }
+};
+
+const OptionSchema& PictureContentsOptions::schema() {
+  using O = PictureContentsOptions;
+  static constexpr OptionRow rows[] = {
+      option<&O::meshes>({.text = "Mesh in the same picture; may be repeated", .unit = "file", .name = "mesh"}),
+      option<&O::points>(
+          {.text = "Samples of a surface, or a function (.smf), in the same picture without a mesh", .unit = "file"})};
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
+PictureContents::PictureContents(const PictureContentsOptions& options, const RenderOptions& look, Progress& progress) {
+  for (const std::string& file : options.meshes) try {
+      surfaces_.push_back(surface_in_picture(read_mesh(file), look));
+    } catch (const DataError& error) {
+      throw FileError(file, error.what());
+    }
+  for (const std::string& file : options.points) try {
+      add_points(file, look, progress);
+    } catch (const DataError& error) {
+      throw FileError(file, error.what());
+    }
+}
+
+PictureContents::~PictureContents() = default;
+PictureContents::PictureContents(PictureContents&&) noexcept = default;
+
+void PictureContents::add_points(const std::string& file, const RenderOptions& look, Progress& progress) {
+  SurfaceRenderOptions surface;
+  surface.picture = look;
+  seen_.push_back(std::make_unique<SeenSurface>(is_function_file(file)
+                                                    ? make_surface_model(read_function(file).fitted())
+                                                    : make_surface_model(read_points(file), SurfaceOptions{}, progress),
+                                                progress));
+  const SeenSurface& s = *seen_.back();
+  add_notes(notes_, "surface", s.model.warnings(), file);
+  surfaces_.push_back(surface_in_picture(s.caster, s.model.place(), s.model.colors(), surface));
+}
+
+}  // namespace sansmesh::inline v1

@@ -1,0 +1,43 @@
+// Surfaces of files that stand in a picture beside what it shows.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sansmesh/note.h"
+#include "sansmesh/option.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/render/picture_surfaces.h"
+
+namespace sansmesh::inline v1 {
+
+struct PictureContentsOptions {
+  std::vector<std::string> meshes = {};
+  std::vector<std::string> points = {};  ///< samples of surfaces, or functions, which are seen without a mesh
+
+  static const OptionSchema& schema();
+};
+
+/// Holds what the surfaces need.
+class PictureContents {
+ public:
+  /// Throws FileError.
+  PictureContents(const PictureContentsOptions& options, const RenderOptions& look, Progress& progress);
+  ~PictureContents();
+  PictureContents(PictureContents&&) noexcept;
+
+  const std::vector<PictureSurface>& surfaces() const { return surfaces_; }
+  /// "surface": what there is to say of surfaces without a mesh.
+  const std::vector<Note>& notes() const { return notes_; }
+
+ private:
+  struct SeenSurface;
+  void add_points(const std::string& file, const RenderOptions& look, Progress& progress);
+
+  std::vector<std::unique_ptr<SeenSurface>> seen_;
+  std::vector<PictureSurface> surfaces_;
+  std::vector<Note> notes_;
+};
+
+}  // namespace sansmesh::inline v1
