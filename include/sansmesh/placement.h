@@ -1,6 +1,8 @@
 // Coordinates of one's own, where they lie in those of the input, and maps that move what is in them.
 #pragma once
 
+#include <array>
+
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/vec.h"

@@ -30,6 +30,7 @@ using ReportValue =
     std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<std::int64_t>,
                  std::vector<double>, std::vector<std::string>, std::vector<std::vector<double>>, ReportCounts>;
 
+/// How the value of a row is told.
 enum class ReportKind : std::uint8_t {
   flag,
   whole,
@@ -57,15 +58,19 @@ struct ReportRow;
 
 /// All that a struct tells.
 struct ReportSchema {
-  std::span<const ReportRow> rows;
+  std::span<const ReportRow> rows;  ///< in the order in which they are told; they live as long as the program
 };
 
+/// Called for a part of a report: a struct with a schema.
 using UsePart = std::function<void(const void* part)>;
 
+/// A field of a report, or what follows from some: what is said of it, its kind, and how it is read. Made by reported(),
+/// reported_beside() and reported_base().
 struct ReportRow : ReportFacts {
-  ReportKind kind = ReportKind::flag;
+  ReportKind kind = ReportKind::flag;  ///< how its value is told
   bool optional = false;  ///< there may be none
   bool beside = false;    ///< of a report: its rows stand beside the others, without a name
+  /// Its value; null of reports. Choices come as numbers: see report_value.
   ReportValue (*get)(const void* report) = nullptr;
   const ReportSchema& (*part)() = nullptr;                         ///< of a report or several
   void (*each)(const void* report, const UsePart& use) = nullptr;  ///< calls for each of these
@@ -81,7 +86,9 @@ namespace report_detail {
 
 /// The struct that a getter takes: a member, a member function, or a function without a state.
 template <class T>
-struct OwnerOf : OwnerOf<decltype(&T::operator())> {};
+struct OwnerOf {
+  using type = typename OwnerOf<decltype(&T::operator())>::type;
+};
 template <class T, class Owner>
 struct OwnerOf<T Owner::*> {
   using type = Owner;
