@@ -11,6 +11,7 @@
 #include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/io/transform_file.h"
 #include "sansmesh/jobs/cloud_or_mesh.h"
 #include "sansmesh/pictures.h"
@@ -82,18 +83,18 @@ Command add_align(CommandLine& app) {
   auto a = std::make_shared<AlignArguments>();
   a->moving.files.resize(1);
   c.add_option("moving", a->moving.files[0], "What moves: mesh, points, or function (.smf)")
-      .type_name("FILE")
+      .reads(endings_read(kPoints | kFunction))
       .required();
   c.add_option("fixed", a->fixed.files, "What it moves onto: mesh, points, or function; several files are read as one")
-      .type_name("FILE")
+      .reads(endings_read(kPoints | kFunction))
       .required();
   add_class_options(c, a->fixed, " of what it moves onto");
   c.add_option("-o,--output", a->output.file, "What has moved, with all its attributes: formats of meshes or of points")
-      .type_name("FILE");
+      .writes(endings_written(kMesh | kPoints));
   c.add_option("--transform-output", a->transform_output, "The motion as 4 rows of 4 numbers (.json: as JSON)")
-      .type_name("FILE");
+      .writes({".txt", ".json"});
   add_schema(c, a->options, {.group = "Alignment"});
-  c.add_option("--start-transform", a->start, "First move it by this: 4 rows of 4 numbers").type_name("FILE");
+  c.add_option("--start-transform", a->start, "First move it by this: 4 rows of 4 numbers").reads();
   add_preview_option(c, a->output.preview, "both, what has moved in orange,");
   add_ascii_flag(c, a->output.ascii);
   add_picture_options(c, a->output.picture);

@@ -156,9 +156,9 @@ void Console::note(const std::string& file, const std::vector<Note>& notes) {
     else
       say(in_flags(note_line(note)));
     results_->messages.push_back({{"code", note.code},
-                         {"severity", warning ? "warning" : "information"},
-                         {"text", in_flags(note.text)},
-                         {"remedy", in_flags(note.remedy)}});
+                                  {"severity", warning ? "warning" : "information"},
+                                  {"text", in_flags(note.text)},
+                                  {"remedy", in_flags(note.remedy)}});
   }
 }
 

@@ -163,7 +163,7 @@ Command add_convert(CommandLine& app) {
   c.add_option("-o,--output", a.output,
                "Mesh (" + listed_endings(endings_written(kMesh)) + ") or points (" +
                    listed_endings(endings_written(kPoints)) + ") to write")
-      .type_name("FILE")
+      .writes(endings_written(kMesh | kPoints))
       .required();
   add_ascii_flag(c, a.ascii);
   add_schema(c, a.options, {.only = {"vertices_only"}});

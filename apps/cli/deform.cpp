@@ -234,12 +234,13 @@ Command add_deform(CommandLine& app) {
   c.add_option("input", a.input.files,
                "Mesh, points, function (.smf), expression as of csg, DATA[NAME=VALUE], or a volume")
       .type_name("INPUT")
+      .reads()
       .required();
   c.add_option(
        "-o,--output", a.output,
        "Mesh or points as they came; of functions a mesh, a section (.svg, .csv); of volumes .vti, .mhd, .nrrd; "
        "of all a picture (.png)")
-      .type_name("FILE")
+      .writes({".ply", ".png", ".svg", ".csv", ".vti", ".mhd", ".nrrd"})
       .required();
   add_schema(c, a.deformation, {.group = "Deformation", .without = {"cut", "cut_damping"}});
   add_schema(c, a.options, {.group = "Deformation", .only = {"frames"}});

@@ -72,15 +72,15 @@ Command add_edit(CommandLine& app) {
   CommandLine& c =
       app.add_subcommand("edit", "Function file → function file, with parts fitted anew, smoothed or removed");
   auto a = std::make_shared<EditArguments>();
-  c.add_option("input", a->input, "Function, .smf").type_name("FILE").endings({".smf"}).required();
-  c.add_option("--script", a->script, "What to do: JSON, see below").type_name("FILE").required();
-  c.add_option("-o,--output", a->output, "Function to write: .smf").type_name("FILE");
+  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
+  c.add_option("--script", a->script, "What to do: JSON, see below").reads({".json"}).required();
+  c.add_option("-o,--output", a->output, "Function to write: .smf").writes({".smf"});
   c.add_option(
        "--mesh", a->mesh,
        "The function's mesh before the edits, by `sansmesh mesh` without options: only what they change is made anew")
-      .type_name("FILE");
+      .reads(endings_read(kPoints));
   c.add_option("--mesh-output", a->mesh_output, "Mesh to write: " + listed_endings(endings_written(kMesh)))
-      .type_name("FILE");
+      .writes(endings_written(kMesh));
   c.footer(
       "A script is {\"version\": 1, \"steps\": [...]}; a step selects supports and says what to do with them:\n"
       "  {\"select\": {\"ball\": {\"center\": [0, 0, 1], \"radius\": 0.2}}, \"degree\": 1}\n"

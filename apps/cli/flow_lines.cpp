@@ -85,7 +85,7 @@ Command add_flow_lines(CommandLine& flow) {
   FlowLinesArguments& a = *shared;
   add_flow_input(c, a.input);
   c.add_option("-o,--output", a.output, "Lines to write: .vtp, .ply or .csv (line,time,x,y,z, …)")
-      .type_name("FILE")
+      .writes({".vtp", ".ply", ".csv"})
       .required();
   const std::vector<std::string_view> steps = {"integrator", "tolerance", "step_length", "least_speed", "most_steps"};
   add_schema(c, a.options, {.without = steps});

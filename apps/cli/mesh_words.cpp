@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "command_line.h"
+#include "sansmesh/io/formats.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -27,7 +28,7 @@ TriangleMesh MeshInput::read(Console& console) {
 }
 
 void MeshInput::add_to(CommandLine& c) {
-  c.add_option("input", file, "Mesh").type_name("FILE").required();
+  c.add_option("input", file, "Mesh").reads(endings_read(kPoints)).required();
   c.tells({told<ReadMesh>("input")});
 }
 

@@ -53,8 +53,8 @@ void MeshOutput::write(const TriangleMesh& mesh, Console& console) const {
 
 void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
   c.tells({told<WrittenMesh>("output")});
-  const Option file =
-      c.add_option("-o,--output", o.file, "Mesh to write: " + listed_endings(endings_written(kMesh))).type_name("FILE");
+  const Option file = c.add_option("-o,--output", o.file, "Mesh to write: " + listed_endings(endings_written(kMesh)))
+                          .writes(endings_written(kMesh));
   if (required) file.required();
   add_preview_option(c, o.preview, "the mesh");
   add_ascii_flag(c, o.ascii);

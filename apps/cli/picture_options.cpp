@@ -63,7 +63,7 @@ void add_accessibility_options(CommandLine& c, PictureArguments& a) {
 }
 
 void add_preview_option(CommandLine& c, std::string& file, const std::string& what) {
-  c.add_option("--preview", file, "Also draw " + what + " into this PNG").type_name("FILE");
+  c.add_option("--preview", file, "Also draw " + what + " into this PNG").writes({".png"});
 }
 
 }  // namespace sansmesh::cli

@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/surface_function.h"
 #include "schema_options.h"
 #include "surface_options.h"
@@ -127,10 +128,10 @@ Command add_render(CommandLine& app) {
   RenderArguments& a = *shared;
   c.add_option("input", a.input.files,
                "Meshes, points or functions (.smf): several are objects of one picture, but with --as-one or --surface")
-      .type_name("FILE")
+      .reads(endings_read(kPoints | kFunction))
       .required();
   add_class_options(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
+  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
   add_picture_options(c, a.picture);
   add_background_option(c, a.background);
   add_schema(c, a.picture.options, {.group = "Picture", .only = {"smooth", "shadows"}});

@@ -136,6 +136,8 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   entry.field = row.name;
   entry.usual = usual;
   entry.value_name = value_name_of(row);
+  if (row.unit == "file") entry.file = OptionEntry::File::read;
+  entry.endings.assign(row.endings.begin(), row.endings.end());
   if (!row.range.words().empty()) entry.range = row.range;
   entry.words.assign(row.choices.begin(), row.choices.end());
   if (row.kind == OptionKind::numbers) entry.numbers = row.count, entry.several = row.count == 0;

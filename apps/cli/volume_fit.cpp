@@ -57,7 +57,7 @@ Command add_volume_fit(CommandLine& volume) {
       volume.add_subcommand("fit", "Volume on any grid → fitted volume, which all others start from at once");
   auto a = std::make_shared<VolumeFitArguments>();
   add_volume_input(c, a->input);
-  c.add_option("-o,--output", a->output, "Fitted volume to write: .smv").type_name("FILE").required();
+  c.add_option("-o,--output", a->output, "Fitted volume to write: .smv").writes({".smv"}).required();
   add_schema(c, a->options);
   c.footer(
       std::string(kReadableVolumes) +

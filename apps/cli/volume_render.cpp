@@ -89,10 +89,10 @@ Command add_volume_render(CommandLine& volume) {
   auto shared = std::make_shared<VolumeRenderArguments>();
   VolumeRenderArguments& a = *shared;
   add_volume_input(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
+  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
   a.colors.add_options(c, "Options");
   c.add_option("--save-transfer", a.save_transfer, "Also writes what was used, to be changed and given to --transfer")
-      .type_name("FILE");
+      .writes({".json"});
   add_schema(c, a.contents);
   add_schema(c, a.options, {.without = {"preset", "opacity_factor", "iso", "bar", "label", "unit", "title"}});
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});

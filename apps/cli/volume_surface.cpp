@@ -15,6 +15,7 @@
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/volume_pictures.h"
 #include "schema_options.h"
@@ -148,9 +149,10 @@ Command add_volume_surface(CommandLine& volume) {
   auto shared = std::make_shared<VolumeSurfaceArguments>();
   VolumeSurfaceArguments& a = *shared;
   add_volume_input(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture (.png) or mesh (.ply, .obj, .stl, …) to write").type_name("FILE");
+  c.add_option("-o,--output", a.output, "Picture (.png) or mesh (.ply, .obj, .stl, …) to write")
+      .writes({".png", ".ply", ".obj", ".stl", ".off", ".glb", ".vtp"});
   c.add_option("--points-output", a.points, "Also or only: points spread evenly over the surface, with normals")
-      .type_name("FILE")
+      .writes(endings_written(kPoints))
       .once_called("--points");
   c.add_option("--point-spacing", a.distance, "Distance of these points [the spacing of the samples]")
       .type_name("LENGTH")

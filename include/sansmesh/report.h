@@ -64,12 +64,12 @@ struct ReportSchema {
 /// Called for a part of a report: a struct with a schema.
 using UsePart = std::function<void(const void* part)>;
 
-/// A field of a report, or what follows from some: what is said of it, its kind, and how it is read. Made by reported(),
-/// reported_beside() and reported_base().
+/// A field of a report, or what follows from some: what is said of it, its kind, and how it is read. Made by
+/// reported(), reported_beside() and reported_base().
 struct ReportRow : ReportFacts {
   ReportKind kind = ReportKind::flag;  ///< how its value is told
-  bool optional = false;  ///< there may be none
-  bool beside = false;    ///< of a report: its rows stand beside the others, without a name
+  bool optional = false;               ///< there may be none
+  bool beside = false;                 ///< of a report: its rows stand beside the others, without a name
   /// Its value; null of reports. Choices come as numbers: see report_value.
   ReportValue (*get)(const void* report) = nullptr;
   const ReportSchema& (*part)() = nullptr;                         ///< of a report or several
