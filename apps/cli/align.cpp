@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -55,7 +56,7 @@ void run_align(const AlignArguments& a, Console& console) {
   } else if (!output.empty()) {
     warn_of_losses(moving_file, moving.read, output, made.moved, console);
     write_mesh(output, made.moved, {.ascii = a.output.ascii});
-    console.tell(WrittenMesh(output, made.moved), "output");
+    tell_mesh(output, made.moved, console);
   }
   if (!a.transform_output.empty()) write_transform(a.transform_output, made.motion);
   console.tell(moving.told, "moving");
@@ -69,7 +70,7 @@ void run_align(const AlignArguments& a, Console& console) {
   console.say(summary_of(made.report));
   if (output.empty() && a.transform_output.empty())
     for (std::size_t row = 0; row < 3; ++row) {
-      const auto& m = made.motion.rows()[row];
+      const std::array<double, 4> m = made.motion.rows()[row];
       console.say(fmt::format("{:>22} {:>22} {:>22} {:>22}", m[0], m[1], m[2], m[3]));
     }
   for (const std::string& file : {output, a.transform_output, a.output.preview})

@@ -92,9 +92,7 @@ void Console::say(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) say(in_flags(line));
 }
 
-void Console::say(const std::string& title, const std::string& text, int width) {
-  say(fmt::format("{:<{}}{}", title, width, text));
-}
+void Console::say(const std::string& title, const std::string& text, int width) { say(titled(title, text, width)); }
 
 void Console::check_announced(const ToldReport& told) const {
   for (const ToldReport& announced : command_.told())
@@ -103,6 +101,7 @@ void Console::check_announced(const ToldReport& told) const {
 }
 
 void Console::tell(const ToldReport& told, const void* report) {
+  progress_.finish();  // what is told has been made
   check_announced(told);
   if (!options_.json) return;
   if (told.list)

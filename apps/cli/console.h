@@ -51,11 +51,18 @@ class Console {
   /// The same with a title: "area            0.5".
   void say(const std::string& title, const std::string& text, int width = 16);
   /// A result for programs: what a report tells, under a key or beside the others. Printed with --json, once all is
-  /// done, with all that was warned of (`warnings`). Throws std::logic_error for reports of
-  /// which the command does not say that it tells them (CommandLine::tells).
+  /// done, with all that was warned of (`warnings`). The stage of the progress ends. Throws std::logic_error for
+  /// reports of which the command does not say that it tells them (CommandLine::tells).
   template <HasReport T>
   void tell(const T& report, std::string_view key = {}) {
     tell(ToldReport{key, &T::schema()}, &report);
+  }
+  /// The same of a list of reports.
+  template <HasReport T>
+  void tell(const std::vector<T>& reports, std::string_view key) {
+    const ToldReport told{key, &T::schema(), true};
+    begin_list(told);
+    for (const T& report : reports) tell(told, &report);
   }
   /// The same of a value.
   template <class T>
@@ -64,17 +71,10 @@ class Console {
   }
   /// The time of each stage as well (`stages`), of commands whose results are not compared.
   void tell_stages() { tells_stages_ = true; }
-  /// The same of a list of reports.
-  template <HasReport T>
-  void tell(const std::vector<T>& reports, std::string_view key) {
-    const ToldReport told{key, &T::schema(), true};
-    begin_list(told);
-    for (const T& report : reports) tell(told, &report);
-  }
   /// From here on results for programs are a list, `files` of one object: a command tells of several files, one after
   /// the other.
   void list_results() { listing_ = true; }
-  /// All that was told since the last one is of one of these files.
+  /// Ends the results of one of these files: what was told since the last call is of it.
   void end_result();
   /// A mistake in one of several files: told as errors are, and in the list. The command goes on, and fails in the end.
   void fail(const std::string& file, const std::string& message);

@@ -178,7 +178,7 @@ Deformed deform_volume(DeformArguments& a, const Deformation& deformation, Conso
   console.tell(subject, "output");
   console.say(method_line(volume));
   const DeformReport& r = d.result.report;
-  if (!picture) d.lines = {lattice_words(r.size, r.inside)};
+  if (!picture) d.lines = {lattice_words(r.size, r.inside.value_or(0))};
   return d;
 }
 

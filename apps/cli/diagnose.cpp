@@ -88,7 +88,7 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
   console.tell(ToldFile{a.input}, "input");
   console.tell(made);
   if (!a.script.empty()) console.tell(ToldFile{a.script}, "script");
-  console.tell_value("pictures", files);
+  if (!a.pictures.empty()) console.tell_value("pictures", files);
 
   const Diagnosis& d = made.diagnosis;
   console.say(fmt::format("{}: {}; largest gradient around the surface {:.2f}", a.input,

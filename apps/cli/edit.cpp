@@ -55,7 +55,7 @@ void run_edit(const EditArguments& a, Console& console) {
   console.tell(ToldFile{a.input}, "input");
   console.tell(made);
   if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
-  if (!a.mesh_output.empty()) console.tell(ToldFile{a.mesh_output}, "mesh");
+  if (!a.mesh_output.empty()) console.tell(WrittenMesh(a.mesh_output, made.mesh), "mesh");
 
   for (std::size_t i = 0; i < made.steps.size(); ++i)
     console.say(fmt::format("step {}: {}", i + 1, words_of(made.steps[i])));
@@ -94,7 +94,7 @@ Command add_edit(CommandLine& app) {
       "Examples:\n"
       "  sansmesh edit scan.smf --script edits.json -o new.smf\n"
       "  sansmesh edit scan.smf --script edits.json -o new.smf --mesh scan.ply --mesh-output new.ply");
-  c.tells({told<ToldFile>("input"), told<EditedFunction>(), told<ToldFile>("output"), told<ToldFile>("mesh")});
+  c.tells({told<ToldFile>("input"), told<EditedFunction>(), told<ToldFile>("output"), told<WrittenMesh>("mesh")});
   return {&c, [a](Console& console) { run_edit(*a, console); }};
 }
 

@@ -48,7 +48,8 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
   console.tell(files.written(), "output");
   console.tell(made);
   say_flow_surface(made.surface, flow, console);
-  console.say(fmt::format("{}: {} × {} pixels", files.written().words(), made.width, made.height));
+  console.say(
+      fmt::format("{}: {} × {} pixels", files.written().words(), files.written().width, files.written().height));
 }
 
 }  // namespace

@@ -42,6 +42,11 @@ void warn_of_losses(const std::string& input, const ReadReport& read, const std:
   warn_of(input, read, output, left_out(output, points), console);
 }
 
+void tell_mesh(const std::string& file, const TriangleMesh& mesh, Console& console) {
+  console.progress().finish();
+  if (console.options().json) console.tell(WrittenMesh(file, mesh), "output");
+}
+
 void say_mesh(const std::string& file, const TriangleMesh& mesh, std::size_t components, bool closed,
               Console& console) {
   console.say(fmt::format("{}: {}, {} vertices in {}{}", file, counted(mesh.triangles.size(), "triangle"),

@@ -4,11 +4,11 @@
 
 #include <vector>
 
+#include "mesh_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 #include "schema_options.h"
-#include "told_files.h"
 
 namespace sansmesh::cli {
 
@@ -48,7 +48,7 @@ void MeshOutput::write(const TriangleMesh& mesh, Console& console) const {
   progress.begin("write");
   write_mesh(file, mesh, {.ascii = ascii});
   if (!preview.empty()) picture.write(preview, image, look);
-  if (console.options().json) console.tell(WrittenMesh(file, mesh), "output");
+  tell_mesh(file, mesh, console);
 }
 
 void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {

@@ -35,7 +35,7 @@ class PictureFiles {
  public:
   PictureFiles(const PictureArguments& arguments, std::string output, bool several, Console& console)
       : arguments_(arguments), output_(std::move(output)), several_(several), console_(console) {}
-  /// The next one, of which the part is written that was asked for.
+  /// Writes the next picture, or the part of it that --crop asks for.
   void write(const Image& image, const RenderOptions& made_with);
   const WrittenPictures& written() const { return written_; }
 

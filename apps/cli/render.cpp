@@ -60,6 +60,7 @@ PictureObject open_object(const CloudInput& input, bool with_lines, Console& con
   const std::string& file = input.files[0];
   PictureObject object{.name = input.name(), .title = std::filesystem::path(file).filename().string()};
   if (input.is_function()) {
+    console.progress().begin("read");
     read.format = "function";
     object.function = read_function(file);
     return object;

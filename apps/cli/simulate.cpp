@@ -47,6 +47,7 @@ void check_simulate(const SimulateArguments& a) {
   a.picture.chosen().validate();
   a.picture.check_frames(true);
 }
+
 /// Errors of what the scene says are those of its file, others of the body's.
 template <class Work>
 auto with_files(const SimulateArguments& a, const Console& console, const Work& work) {
@@ -121,7 +122,7 @@ void run_simulate(SimulateArguments& a, Console& console) {
   const MotionUse use{.frame_time = plan.frame_time,
                       .pictures = pictures ? &*pictures : nullptr,
                       .part = [&](const Image& image) { return a.picture.part(image, a.picture.chosen()); },
-                      .used =
+                      .before_frame =
                           [&](std::size_t frame) {
                             if (frame > 0) console.keep_frames();
                           }};

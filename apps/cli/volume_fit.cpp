@@ -41,8 +41,7 @@ void run_volume_fit(const VolumeFitArguments& a, Console& console) {
   console.tell_value("output.arrays", arrays);
 
   console.say(method_line(volume));
-  console.say(fmt::format("{}: {} ({})", volume.name(), counted(r.samples, "sample"),
-                          volume.samples(console.progress())->facts.grid));
+  console.say(samples_line(volume, console.progress()));
   if (!r.by_degree.empty())
     console.say(fmt::format("polynomials of degree 0 to {}: {}", r.by_degree.size() - 1, fmt::join(r.by_degree, ", ")));
   console.note(volume.name(), made.notes);

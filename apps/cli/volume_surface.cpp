@@ -97,7 +97,7 @@ void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfa
   console.note(volume.name(), made.notes);
   console.progress().begin("write");
   write_mesh(a.output, made.mesh, {.ascii = a.ascii});
-  console.tell(WrittenMesh(a.output, made.mesh), "output");
+  tell_mesh(a.output, made.mesh, console);
   console.tell(r);
   say_mesh(a.output, made.mesh, static_cast<std::size_t>(r.mesh.components), r.volume.has_value(), console);
   console.say(area_words(r.area, r.volume));

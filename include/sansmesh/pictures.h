@@ -85,7 +85,7 @@ struct SANSMESH_API DrawnObject {
   std::string color;                   ///< "#rrggbb", or "own"
   double opacity = 1;                  ///< 0..1
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Report on pictures of objects.
@@ -95,7 +95,7 @@ struct SANSMESH_API RenderReport {
   std::optional<CastCounts> rays;        ///< of that
   std::optional<std::size_t> splats;     ///< in place of rays
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Outcome of render().
@@ -140,7 +140,7 @@ struct SANSMESH_API LinePicture {
   double radius = 0;            ///< of the tubes (length)
   std::size_t triangles = 0;    ///< that the tubes are made of
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Radius of the tubes that lines are drawn as: the given one, or 1/400 of their diagonal. Throws DataError where all

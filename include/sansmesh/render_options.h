@@ -223,7 +223,7 @@ struct SANSMESH_API CastCounts {
   std::uint64_t miss_evaluations = 0;  ///< for rays that did not
   std::uint64_t ball_queries = 0;      ///< for balls along a ray
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// The mesh seen in perspective, framed to fill the picture. Meshes without triangles are clouds: discs where there are
