@@ -38,7 +38,7 @@ struct DeformArguments {
   PictureArguments picture;
   VolumeColors colors;
   std::vector<std::string> clips;
-  std::string output, unit, background = "gradient";
+  std::string output, unit;
   bool ascii = false, all_arrays = false, no_bar = false;
 
   DeformAim aim() const {
@@ -77,7 +77,6 @@ DeformedThing thing_of(const DeformArguments& a) {
 void check_deform(DeformArguments& a) {
   VolumePictureOptions& look = a.options.look;
   look.picture = a.picture.chosen();
-  set_background(look.picture, a.background);
   a.options.any_view = !a.picture.has_view();
   a.picture.check_frames(a.options.frames.has_value());
   a.deformation.validate();
@@ -278,7 +277,7 @@ Command add_deform(CommandLine& app) {
   c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group(volumes);
 
   add_schema(c, a.options, {.group = "Picture", .only = {"exact_deformation", "draw_handles", "draw_folds"}});
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);
   c.footer(

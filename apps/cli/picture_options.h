@@ -47,10 +47,8 @@ class PictureFiles {
   WrittenPictures written_;
 };
 
-/// gradient, white, black or transparent, as --background has it.
-void set_background(RenderOptions& options, const std::string& word);
 /// --background
-void add_background_option(CommandLine& command, std::string& word, const std::string& usual = "gradient");
+void add_background_option(CommandLine& command, PictureArguments& arguments);
 /// --width, --height, --view, --azimuth, --elevation, --z-up, --field-of-view, --orthographic, --scale-bar, --look-at,
 /// --zoom, --look-radius, --clip-box, --crop
 void add_picture_options(CommandLine& command, PictureArguments& arguments);

@@ -22,7 +22,6 @@ struct RenderArguments {
   CloudInput input;
   std::string output;
   PictureArguments picture;
-  std::string background = "gradient";
   SurfaceArguments of_samples;
   PictureOptions options;
   bool as_one = false;
@@ -42,7 +41,6 @@ const ReportSchema& ToldObject::schema() { return kToldObjectSchema; }
 PictureOptions complete_options(const RenderArguments& a) {
   PictureOptions options = a.options;
   options.look.picture = a.picture.chosen();
-  set_background(options.look.picture, a.background);
   options.surface = a.of_samples.chosen();
   options.validate();
   return options;
@@ -134,7 +132,7 @@ Command add_render(CommandLine& app) {
   add_class_options(c, a.input);
   c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
   add_picture_options(c, a.picture);
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   add_schema(c, a.picture.options, {.group = "Picture", .only = {"smooth", "shadows"}});
   add_schema(c, a.picture.options, {.group = "Picture", .only = {"antialiasing"}});
   add_schema(c, a.picture.options, {.group = "Picture", .only = {"point_radius"}});

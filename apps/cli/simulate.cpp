@@ -24,7 +24,7 @@ namespace sansmesh::cli {
 namespace {
 
 struct SimulateArguments {
-  std::string tets, forces, fixed, surface, energies, background = "gradient";
+  std::string tets, forces, fixed, surface, energies;
   MotionFiles files;
   SimulateOptions options;
   std::string volume_file;
@@ -90,7 +90,6 @@ std::optional<MotionPictures> open_pictures(SimulateArguments& a, const Simulati
                                             std::shared_ptr<const CarriedSurface> surface, Console& console) {
   if (!a.files.draws()) return std::nullopt;
   RenderOptions look = a.picture.chosen();
-  set_background(look, a.background);
   if (plan.z_up) look.view.up = UpAxis::z;
   auto volume = open_carried_volume(a, console);
   if (volume && a.surface.empty()) surface.reset();
@@ -184,7 +183,7 @@ Command add_simulate(CommandLine& app) {
   c.add_option("--array", a.volume.array, "Of the volume [the first that varies]").type_name("NAME").group(seen);
   a.colors.add_options(c, seen);
   add_ascii_flag(c, a.files.ascii);
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);
   c.footer(

@@ -23,7 +23,7 @@ namespace {
 
 struct VolumeRenderArguments {
   VolumeInput input;
-  std::string output, save_transfer, background = "gradient";
+  std::string output, save_transfer;
   VolumeColors colors;
   PictureContentsOptions contents;
   PictureArguments picture;
@@ -36,7 +36,6 @@ struct VolumeRenderArguments {
 VolumePicturesOptions VolumeRenderArguments::chosen() const {
   VolumePicturesOptions o = options;
   o.look.picture = picture.chosen();
-  set_background(o.look.picture, background);
   colors.put_into(o.look);
   o.look.picture.view.steady = frames > 0;
   o.any_view = !picture.has_view();
@@ -102,7 +101,7 @@ Command add_volume_render(CommandLine& volume) {
       .type_name("UNIT")
       .without_value("")
       .group("Picture");
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   c.add_option("--frames", a.frames, "Turntable: so many pictures around the up axis, NAME_000.png, …")
       .type_name("COUNT")
       .group("Picture");

@@ -29,7 +29,7 @@ struct VolumeSurfaceArguments {
   SurfaceInVolumeOptions options;
   MeshInVolumeOptions meshing;
   SurfaceInVolumeLook look;
-  std::string output, points, background = "gradient", unit;
+  std::string output, points, unit;
   std::optional<double> distance;
   PictureArguments picture;
   bool ascii = false, quick = false, no_bar = false;
@@ -70,7 +70,6 @@ void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfac
                   Console& console) {
   SurfaceRenderOptions look;
   look.picture = a.picture.chosen();
-  set_background(look.picture, a.background);
   look.plain = a.quick, look.picture.view.steady = a.frames > 0;
   look.validate();
   std::vector<Note> notes;
@@ -161,7 +160,7 @@ Command add_volume_surface(CommandLine& volume) {
   add_schema(c, a.options.surface, {.group = "Weights", .without = {"high_gradient"}});
   add_schema(c, a.look, {.group = "Picture"});
   c.add_flag("--quick", a.quick, "One ray a pixel, no shadows").group("Picture");
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   c.add_option("--frames", a.frames, "Turntable: so many pictures around the up axis, NAME_000.png, …")
       .type_name("COUNT")
       .group("Picture");

@@ -119,8 +119,7 @@ struct SANSMESH_API LinePictureOptions {
   std::optional<double> tube_radius = {};  ///< length; default: 1/400 of the lines' diagonal
   /// Its width is that of tubes and scale together. Shadows and ground mean nothing: colours are to be read.
   RenderOptions picture = {};
-  bool any_view = true;        ///< nobody chose the view: that of a single layer looks straight at it
-  bool any_background = true;  ///< nobody chose the background: it is light gray
+  bool any_view = true;  ///< nobody chose the view: that of a single layer looks straight at it
 
   /// Without `picture`.
   static const OptionSchema& schema();
