@@ -1,6 +1,7 @@
 // What every command says, and how: results on standard output, everything else on standard error.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -57,7 +58,10 @@ class Console {
     tell(ToldReport{key, &T::schema()}, &report);
   }
   /// The same of a value.
-  void tell_value(std::string_view key, const Json& value);
+  template <class T>
+  void tell_value(std::string_view key, const T& value) {
+    tell_value_as(key, report_detail::value_of(value));
+  }
   /// The time of each stage as well (`stages`), of commands whose results are not compared.
   void tell_stages() { tells_stages_ = true; }
   /// The same of a list of reports.
@@ -88,7 +92,10 @@ class Console {
   std::string in_flags(const std::string& message) const;
 
  private:
+  struct Results;
+
   void tell(const ToldReport& told, const void* report);
+  void tell_value_as(std::string_view key, const ReportValue& value);
   void begin_list(const ToldReport& told);
   void check_announced(const ToldReport& told) const;
   /// All that was told.
@@ -96,7 +103,6 @@ class Console {
   /// With --verbose: the table of stages.
   void print_timings();
   void warn_line(const std::string& line);
-  void print_json(Json json);
   void show(const std::string& text);
   void draw(const std::string& stage, double fraction);
   void clear();
@@ -104,8 +110,7 @@ class Console {
   ConsoleOptions options_;
   const CommandLine& command_;
   std::vector<std::string> warnings_;
-  Json messages_ = Json::array(), told_;
-  Json results_ = Json::array();
+  std::unique_ptr<Results> results_;
   bool listing_ = false, failed_ = false;
   std::string said_;  ///< once there are files, of which it is, in their places
   bool keeps_frames_ = false;

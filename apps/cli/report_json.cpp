@@ -1,5 +1,6 @@
 #include "report_json.h"
 
+#include <nlohmann/json.hpp>
 #include <set>
 #include <type_traits>
 #include <utility>
@@ -7,21 +8,13 @@
 namespace sansmesh::cli {
 namespace {
 
-Json json_of_value(const ReportValue& value) {
-  return std::visit(
-      [](const auto& v) -> Json {
-        using T = std::decay_t<decltype(v)>;
-        if constexpr (std::is_same_v<T, std::monostate>) {
-          return nullptr;
-        } else if constexpr (std::is_same_v<T, ReportCounts>) {
-          Json counts = Json::object();
-          for (const auto& [name, count] : v) counts[name] = count;
-          return counts;
-        } else {
-          return v;
-        }
-      },
-      value);
+/// The field of an object, or of objects within it, "output.file"; added if it is not there. Null where `add` is false
+/// and one of these objects is null.
+Json* place_of(Json& object, std::string_view path, bool add) {
+  const std::size_t dot = path.find('.');
+  Json& part = object[std::string(path.substr(0, dot))];
+  if (dot == std::string_view::npos) return &part;
+  return part.is_null() && !add ? nullptr : place_of(part, path.substr(dot + 1), add);
 }
 
 void put_rows(Json& object, const ReportSchema& schema, const void* report);
@@ -49,7 +42,7 @@ void put_rows(Json& object, const ReportSchema& schema, const void* report) {
     }
     Json json = json_of_row(row, report);
     // Nothing is told of a report that is not there.
-    if (Json* const place = object.at(row.name, !json.is_null())) *place = std::move(json);
+    if (Json* const place = place_of(object, row.name, !json.is_null())) *place = std::move(json);
   }
 }
 
@@ -77,14 +70,39 @@ void push_rows(Json& list, std::string_view before, const ReportSchema& schema, 
 
 }  // namespace
 
+std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+Json json_of_value(const ReportValue& value) {
+  return std::visit(
+      [](const auto& v) -> Json {
+        using T = std::decay_t<decltype(v)>;
+        if constexpr (std::is_same_v<T, std::monostate>) {
+          return nullptr;
+        } else if constexpr (std::is_same_v<T, ReportCounts>) {
+          Json counts = Json::object();
+          for (const auto& [name, count] : v) counts[name] = count;
+          return counts;
+        } else {
+          return v;
+        }
+      },
+      value);
+}
+
+void put_value(Json& object, std::string_view key, const ReportValue& value) {
+  *place_of(object, key, true) = json_of_value(value);
+}
+
+void put_list(Json& object, std::string_view key) { *place_of(object, key, true) = Json::array(); }
+
 void put_report(Json& object, std::string_view key, const ReportSchema& schema, const void* report) {
-  put_rows(key.empty() ? object : *object.at(key, true), schema, report);
+  put_rows(key.empty() ? object : *place_of(object, key, true), schema, report);
 }
 
 void push_report(Json& object, std::string_view key, const ReportSchema& schema, const void* report) {
   Json one = Json::object();
   put_rows(one, schema, report);
-  object.at(key, true)->push_back(std::move(one));
+  place_of(object, key, true)->push_back(std::move(one));
 }
 
 Json json_of_keys(const std::vector<ToldReport>& told) {

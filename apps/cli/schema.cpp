@@ -1,6 +1,7 @@
 // sansmesh schema: every command with its options, as data for programs.
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
@@ -173,7 +174,7 @@ Command add_schema_command(CommandLine& app) {
                                {"common", json_of_options(app)}, {"commands", commands},
                                {"surfaces", json_of_surfaces()}, {"volume_methods", json_of_volume_methods()},
                                {"formats", json_of_formats()}};
-            print_out(json.text() + "\n");
+            print_out(text_of(json));
           }};
 }
 
