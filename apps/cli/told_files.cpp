@@ -59,9 +59,7 @@ WrittenMesh::WrittenMesh(std::string file_name, const TriangleMesh& mesh)
       triangles(mesh.triangles.size()),
       topology(measure_topology(mesh)) {}
 
-std::string WrittenPictures::size_line() const {
-  return fmt::format("{}: {} × {} pixels", words(), width, height);
-}
+std::string WrittenPictures::size_line() const { return fmt::format("{}: {} × {} pixels", words(), width, height); }
 
 std::string WrittenPictures::words() const {
   return files.size() == 1 ? files[0] : files.front() + " to " + files.back();

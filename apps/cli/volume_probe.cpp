@@ -48,7 +48,7 @@ void run_probe(const ProbeArguments& a, Console& console) {
   console.tell(p.report);
   if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
 
-  console.say(method_line(volume));
+  console.say(summary_of(volume, console.progress()));
   console.say(fmt::format("{}: {}, {} in the volume", volume.name(), counted(n, "point"), grouped(p.report.inside)));
   if (n <= kPrintedProbes) {
     const std::vector<ProbedValue> values = probed_values(p);

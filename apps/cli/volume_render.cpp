@@ -62,8 +62,7 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
   console.tell(files.written(), "output");
   if (baked) console.tell(*baked, "baked");
 
-  console.say(method_line(volume));
-  console.say(samples_line(volume, progress));
+  console.say(summary_of(volume, progress));
   const auto [lower, upper] = r.transfer.range();
   console.say(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.written().words(), lower, upper,
                           r.why.empty() ? "" : "; " + r.why));

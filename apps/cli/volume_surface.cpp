@@ -80,23 +80,6 @@ void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfa
   console.say(area_words(r.area, r.volume));
 }
 
-void say_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& s, const VolumeModel& volume,
-                 Console& console) {
-  const VolumeSurfaceReport& r = s.report;
-  const auto samples = volume.samples(console.progress());
-  const bool steep = a.options.surface.kind == VolumeSurfaceOptions::Kind::high_gradient;
-  console.say(
-      fmt::format("{}: {}, {} of {} ({})", volume.name(),
-                  steep ? fmt::format("steepest {}, from {:.4g} per length", volume.array_name(), r.least_gradient)
-                        : fmt::format("{} = {:.6g}{}", volume.array_name(), s.value,
-                                      a.options.value ? "" : " (the middle of its range)"),
-                  counted(r.samples, "sample"), grouped(samples->size()), samples->facts.grid));
-  console.say(fmt::format(
-      "spacing {}, weights {:.2f} spacings wide{}", length(r.spacing), r.smoothing,
-      r.noise_distance > 0 ? fmt::format(", noise moves the surface by {}", length(r.noise_distance)) : std::string()));
-  console.note(volume.name(), s.notes);
-}
-
 void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
   a.check();
   VolumeModel volume = a.input.open(console);
@@ -106,7 +89,8 @@ void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
   const SurfaceInVolume& surface = *made;
   console.tell(a.input.told(volume, progress), "input");
   console.tell(surface);
-  say_surface(a, surface, volume, console);
+  console.say(summary_of(surface, volume, progress));
+  console.note(volume.name(), surface.notes);
   std::optional<PointSet> points;
   if (!a.points.empty()) points = points_of_surface(surface, a.distance, progress);
   if (a.to_picture())

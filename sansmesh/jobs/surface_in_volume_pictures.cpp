@@ -6,9 +6,9 @@
 
 #include "sansmesh/dataset/volume_surface.h"
 #include "sansmesh/error.h"
+#include "sansmesh/isosurfaces.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/picture_checks.h"
-#include "sansmesh/isosurfaces.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/surface_caster.h"
@@ -75,7 +75,8 @@ const OptionSchema& SurfaceInVolumeLook::schema() {
                                .range = positive(),
                                .needs = "color_by"}),
       option<&O::sharp>({.text = "Normals turn sharply at edges and corners"}),
-      option<&O::quick>({.text = "One ray a pixel, no shadows"}), option<&O::frames>(kTurntable),
+      option<&O::quick>({.text = "One ray a pixel, no shadows"}),
+      option<&O::frames>(kTurntable),
       option<&O::bar>({.text = "Without the colour bar", .needs = "color_by"}),
       option<&O::unit>({.text = "Of the array, or of lengths in curvatures, at the colour bar",
                         .unit = "unit",

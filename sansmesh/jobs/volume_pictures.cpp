@@ -70,7 +70,8 @@ const OptionSchema& VolumePicturesOptions::schema() {
                               .range = positive(1),
                               .needs = "baked"}),
       option<&O::bar>({.text = "Without the colour bar"}),
-      option<&O::unit>({.text = "Of the array, at the colour bar"}), option<&O::frames>(kTurntable)};
+      option<&O::unit>({.text = "Of the array, at the colour bar"}),
+      option<&O::frames>(kTurntable)};
   static const OptionSchema schema{rows};
   return schema;
 }
