@@ -210,6 +210,9 @@ struct SANSMESH_API ProbedValue {
 /// A point after the other, and of each its components.
 SANSMESH_API std::vector<ProbedValue> probed_values(const ProbeResult& probed);
 
+/// The points in the volume and, of twenty at most, each with its values; in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const ProbeResult& probed);
+
 /// A row a point: x,y,z,NAME,NAME_dx,NAME_dy,NAME_dz,inside.
 SANSMESH_API std::string probe_table(const ProbeResult& probed);
 
