@@ -44,8 +44,7 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
   console.tell(a.input.told(flow, console.progress()), "input");
   console.tell(files.written(), "output");
   console.tell(made);
-  console.say(flow.name() + ":");
-  console.say(summary_of(made.surface));
+  console.say_of(flow.name(), summary_of(made.surface));
   console.say(
       fmt::format("{}: {} × {} pixels", files.written().words(), files.written().width, files.written().height));
 }
