@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "commands.h"
-#include "flow_surface_input.h"
+#include "flow_input.h"
 #include "option_groups.h"
 #include "sansmesh/flow_pictures.h"
 #include "sansmesh/io.h"

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "commands.h"
-#include "flow_surface_input.h"
+#include "flow_input.h"
 #include "option_groups.h"
 
 namespace sansmesh::cli {
