@@ -6,6 +6,8 @@
 
 #include "commands.h"
 #include "json.h"
+#include "sansmesh/dynamics/body_integrator.h"
+#include "sansmesh/flow/flow_integrator.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/model/surface_method.h"
 #include "sansmesh/volume/volume_method.h"
@@ -123,6 +125,24 @@ Json json_of_volume_methods() {
   return list;
 }
 
+Json json_of_flow_integrators() {
+  Json list = Json::array();
+  for (const FlowIntegrator* const one : FlowIntegrator::registry().all())
+    list.push_back({{"name", one->name},
+                    {"text", one->summary},
+                    {"order", one->order},
+                    {"adaptive", one->adaptive},
+                    {"reach", one->reach}});
+  return list;
+}
+
+Json json_of_body_integrators() {
+  Json list = Json::array();
+  for (const BodyIntegrator* const one : BodyIntegrator::registry().all())
+    list.push_back({{"name", one->name}, {"text", one->summary}, {"implicit", one->is_implicit}});
+  return list;
+}
+
 Json json_of_formats() {
   constexpr std::pair<unsigned, const char*> kWords[] = {
       {kPoints, "points"},         {kMesh, "mesh"},       {kLines, "lines"},      {kVolume, "volume"},
@@ -162,16 +182,25 @@ Command add_schema_command(CommandLine& app) {
       "infinite;\n"
       "those of `above` and `below` are excluded. `report` has the keys of --json: `key` (\"places[].radius\" of a\n"
       "list), `kind`, `text`, `unit`, `choices`, and `optional` where it may be null. `surfaces` and `volume_methods`\n"
-      "are the methods of --surface and, for volumes, of --method, with the fields that they use; `formats` the files\n"
-      "that are read and written, by ending.\n\n"
+      "are the methods of --surface and, for volumes, of --method, with the fields that they use; `flow_integrators`\n"
+      "those of --integrator of flows: their `order`, whether their steps follow the tolerance (`adaptive`), and how "
+      "far\n"
+      "a step goes by itself (`reach`, of the diagonal); `body_integrators` those of --integrator of bodies, and "
+      "whether\n"
+      "their steps solve systems (`implicit`); `formats` the files that are read and written, by ending.\n\n"
       "Examples:\n"
       "  sansmesh schema > schema.json");
   return {&c, [&app](Console&) {
             Json commands = Json::array();
             add_commands_of(app, commands);
-            const Json json = {{"schema", kSchemaVersion},       {"version", SANSMESH_VERSION},
-                               {"common", json_of_options(app)}, {"commands", commands},
-                               {"surfaces", json_of_surfaces()}, {"volume_methods", json_of_volume_methods()},
+            const Json json = {{"schema", kSchemaVersion},
+                               {"version", SANSMESH_VERSION},
+                               {"common", json_of_options(app)},
+                               {"commands", commands},
+                               {"surfaces", json_of_surfaces()},
+                               {"volume_methods", json_of_volume_methods()},
+                               {"flow_integrators", json_of_flow_integrators()},
+                               {"body_integrators", json_of_body_integrators()},
                                {"formats", json_of_formats()}};
             print_out(json.text() + "\n");
           }};
