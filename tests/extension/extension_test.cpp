@@ -1,5 +1,5 @@
-// What a program adds to the library (a surface, a reconstruction of volumes, a format, a job with its command) is in
-// help, schema, reports and results as what the library has itself.
+// What a program adds to the library (a surface, a reconstruction of volumes, an integrator, a format, a job with its
+// command) is in help, schema, reports and results as what the library has itself.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -77,6 +77,45 @@ TEST_F(Extension, ReconstructionOfVolumesIsKnownEverywhere) {
   ASSERT_NE(choice, nullptr);
   EXPECT_EQ((*choice)["choices"].back(), "mean");
   EXPECT_NE(run({"volume", "probe", "--help-all"}).out.find("mls-detail, amls, mean"), std::string::npos);
+}
+
+TEST_F(Extension, IntegratorIsKnownEverywhere) {
+  const nlohmann::json all = schema();
+  const nlohmann::json* const integrator = named(all["flow_integrators"], "heun");
+  ASSERT_NE(integrator, nullptr);
+  EXPECT_EQ((*integrator)["order"], 2);
+  EXPECT_EQ((*integrator)["adaptive"], false);
+  for (const char* const command : {"flow lines", "flow surface", "flow render"}) {
+    const nlohmann::json* const choice = option_of(*named(all["commands"], command), "--integrator");
+    ASSERT_NE(choice, nullptr) << command;
+    EXPECT_EQ((*choice)["choices"], nlohmann::json::array({"euler", "rk4", "dopri5", "heun"}));
+  }
+  const std::string help = run({"flow", "lines", "--help-all"}).out;
+  EXPECT_NE(help.find("heun (Heun's, second order)"), std::string::npos) << help;
+  EXPECT_NE(help.find("Of euler, rk4, heun, and at most of dopri5"), std::string::npos) << help;
+
+  // Turns of the rotation are circles: Heun's are nearly so, and nearer with shorter steps.
+  const auto farthest = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command{"flow",       "lines", "rotation", "--seeds", "point(1,0,0)",
+                                     "--duration", "6",     "-o",       "turn.csv"};
+    command.insert(command.end(), more.begin(), more.end());
+    EXPECT_EQ(run(command).code, 0);
+    const PointSet line = read_points(path("turn.csv"));
+    EXPECT_GT(line.size(), 20u);
+    double most = 0;
+    for (const Vec3f& p : line.positions) most = std::max(most, std::abs(norm(line.origin + Vec3(p)) - 1));
+    return most;
+  };
+  const double coarse = farthest({"--integrator", "heun", "--step-length", "0.2"}),
+               fine = farthest({"--integrator", "heun", "--step-length", "0.1"});
+  EXPECT_LT(coarse, 0.01);
+  EXPECT_NEAR(coarse / fine, 8, 1);  // of radii one order more than of places
+  EXPECT_LT(farthest({"--integrator", "heun"}), 1e-4);
+  EXPECT_GT(farthest({"--integrator", "euler", "--step-length", "0.1"}), 0.1);
+
+  const Outcome refused = run({"flow", "lines", "rotation", "-o", "x.csv", "--integrator", "heum"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("euler, rk4, dopri5, heun"), std::string::npos) << refused.err;
 }
 
 TEST_F(Extension, FormatIsReadAndWritten) {
