@@ -109,6 +109,7 @@ Json json_of_surfaces() {
   Json list = Json::array();
   for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) {
     Json one = json_of_method(*method);
+    for (const OptionRow& own : method->own) one["uses"].push_back(own.name);
     one["page"] = method->page;
     list.push_back(std::move(one));
   }

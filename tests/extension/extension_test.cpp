@@ -38,7 +38,7 @@ TEST_F(Extension, SurfaceIsKnownEverywhere) {
   const nlohmann::json all = schema();
   const nlohmann::json* const surface = named(all["surfaces"], "shepard");
   ASSERT_NE(surface, nullptr);
-  EXPECT_EQ((*surface)["uses"], nlohmann::json::array({"sharp"}));
+  EXPECT_EQ((*surface)["uses"], nlohmann::json::array({"sharp", "shepard_neighbours"}));
   const nlohmann::json* const choice = option_of(*named(all["commands"], "reconstruct"), "--surface");
   ASSERT_NE(choice, nullptr);
   EXPECT_EQ((*choice)["choices"].back(), "shepard");
@@ -54,6 +54,52 @@ TEST_F(Extension, SurfaceIsKnownEverywhere) {
   const Outcome refused = run({"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "shepard", "--order", "2"});
   EXPECT_EQ(refused.code, 2);
   EXPECT_NE(refused.err.find("--order belongs to amls, not to the surface shepard"), std::string::npos) << refused.err;
+}
+
+TEST_F(Extension, OptionThatASurfaceHasForItselfIsOneOfAllCommandsWithSurfaces) {
+  write_points(path("ball.ply"), sphere(2000));
+  const nlohmann::json all = schema();
+  for (const char* const command : {"reconstruct", "render", "project"}) {
+    const nlohmann::json* const option = option_of(*named(all["commands"], command), "--shepard-neighbours");
+    ASSERT_NE(option, nullptr) << command;
+    EXPECT_EQ((*option)["kind"], "whole");
+    EXPECT_EQ((*option)["field"], "shepard_neighbours");
+    EXPECT_EQ((*option)["usual"], "10");
+    EXPECT_EQ((*option)["range"]["least"], 3);
+    EXPECT_EQ((*option)["range"]["most"], 50);
+    const std::string help = run({command, "--help-all"}).out;
+    EXPECT_NE(help.find("shepard: nearest samples whose planes count, 3..50 [10]"), std::string::npos) << help;
+  }
+  EXPECT_NE(run({"completion", "bash"}).out.find("--shepard-neighbours"), std::string::npos);
+
+  const std::vector<std::string> command{"reconstruct", "ball.ply", "--surface", "shepard", "-o"};
+  const auto mesh_with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = command;
+    words.emplace_back("mesh.ply"), words.insert(words.end(), more.begin(), more.end());
+    const Outcome made = run(words);
+    EXPECT_EQ(made.code, 0) << made.err;
+    return read_mesh(path("mesh.ply"));
+  };
+  const TriangleMesh usual = mesh_with({});
+  EXPECT_EQ(mesh_with({"--shepard-neighbours", "10"}).vertices, usual.vertices);
+  const TriangleMesh smooth = mesh_with({"--shepard-neighbours", "40"});
+  EXPECT_NE(smooth.vertices, usual.vertices);
+  for (const Vec3f& v : smooth.vertices) EXPECT_NEAR(norm(v), 1, 0.05);
+
+  const auto refused = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> line{"reconstruct", "ball.ply", "-o", "x.ply"};
+    line.insert(line.end(), words.begin(), words.end());
+    const Outcome outcome = run(line);
+    EXPECT_EQ(outcome.code, 2);
+    return outcome.err;
+  };
+  EXPECT_NE(refused({"--surface", "shepard", "--shepard-neighbours", "2"})
+                .find("--shepard-neighbours must lie in 3..50, not 2"),
+            std::string::npos);
+  EXPECT_NE(refused({"--surface", "apss", "--shepard-neighbours", "20"})
+                .find("--shepard-neighbours belongs to shepard, not to the surface apss"),
+            std::string::npos);
+  EXPECT_NE(refused({"--shepard-neighbours", "20"}).find("--shepard-neighbours"), std::string::npos);
 }
 
 TEST_F(Extension, ReconstructionOfVolumesIsKnownEverywhere) {
