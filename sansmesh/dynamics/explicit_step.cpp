@@ -20,7 +20,7 @@ int ExplicitStepper::settle(BodyState& body, double h, std::span<const Vec3> hel
   const double most = body.longest / h;
   const double moved = by_velocity_before_ ? 0 : h;
   const Found found = parallel_reduce(
-      body.size(), kRows, Found{},
+      body.size(), kExplicitRows, Found{},
       [&](std::size_t first, std::size_t last) {
         Found part;
         for (std::size_t i = first; i < last; ++i) {

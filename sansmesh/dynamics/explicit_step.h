@@ -15,7 +15,7 @@ class ExplicitStepper : public BodyStepper {
   void step(BodyState& body, double h, StepReport& report) final;
 
  protected:
-  static constexpr std::size_t kRows = 2048;  ///< vertices a task
+  static constexpr std::size_t kExplicitRows = 2048;  ///< vertices a task
 
   /// `by_velocity_before`: move() takes positions on by the velocities at the beginning, which obstacles had corrected.
   explicit ExplicitStepper(bool by_velocity_before) : by_velocity_before_(by_velocity_before) {}

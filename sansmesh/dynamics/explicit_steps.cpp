@@ -20,7 +20,7 @@ class EulerStepper : public ExplicitStepper {
   void move(BodyState& body, double h) override {
     force_.resize(body.size());
     body.forces(body.x, body.v, body.time, force_);
-    parallel_for(0, body.size(), kRows, [&](std::size_t i) {
+    parallel_for(0, body.size(), kExplicitRows, [&](std::size_t i) {
       body.x[i] += body.v[i] * h;
       body.v[i] += force_[i] * (h / body.masses[i]);
     });
@@ -48,7 +48,7 @@ class VerletStepper : public ExplicitStepper {
     force_.resize(body.size());
     body.forces(body.x, body.v, body.time, force_);
     const double gained = 0.5 * h + body.lag;  // the first step, and one of another length: from half its own before
-    parallel_for(0, body.size(), kRows, [&](std::size_t i) {
+    parallel_for(0, body.size(), kExplicitRows, [&](std::size_t i) {
       body.v[i] += force_[i] * (gained / body.masses[i]);
       body.x[i] += body.v[i] * h;
     });
@@ -73,7 +73,7 @@ class VelocityVerletStepper : public ExplicitStepper {
   void move(BodyState& body, double h) override {
     force_.resize(body.size()), guess_.resize(body.size());
     if (!known_) body.forces(body.x, body.v, body.time, force_);
-    parallel_for(0, body.size(), kRows, [&](std::size_t i) {
+    parallel_for(0, body.size(), kExplicitRows, [&](std::size_t i) {
       const Vec3 gain = force_[i] * (0.5 * h / body.masses[i]);
       body.v[i] += gain;
       body.x[i] += body.v[i] * h;
@@ -84,7 +84,7 @@ class VelocityVerletStepper : public ExplicitStepper {
   void arrive(BodyState& body, double h) override {
     for (const std::uint32_t i : body.drive.held()) guess_[i] = body.v[i];
     body.forces(body.x, guess_, body.time, force_);
-    parallel_for(0, body.size(), kRows, [&](std::size_t i) {
+    parallel_for(0, body.size(), kExplicitRows, [&](std::size_t i) {
       body.v[i] += force_[i] * (0.5 * h / body.masses[i]);
       if (!body.obstacles.empty() && !body.is_held[i]) body.obstacles.push_out(body.x[i], body.v[i], body.near, 0);
     });

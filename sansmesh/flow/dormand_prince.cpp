@@ -26,7 +26,7 @@ constexpr std::array<double, kStages> kBetween{-12715105075.0 / 11282082432,  0,
                                                701980252875.0 / 199316789632, -1453857185.0 / 822651844,
                                                69997945.0 / 29380423};
 
-void dormand_prince_step(FlowStep& step) {
+void dormand_prince_step(ParticleStep& step) {
   std::array<const Vec3*, kStages> k{step.velocities(0).data()};
   for (std::size_t s = 1; s < kStages; ++s) {
     step.ask(kMoment[s], [&](std::size_t i) {

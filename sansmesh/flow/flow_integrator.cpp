@@ -4,7 +4,7 @@
 
 namespace sansmesh::inline v1 {
 
-void FlowStep::begin(std::size_t particles) {
+void ParticleStep::begin(std::size_t particles) {
   for (auto* const list : {&starts_, &places_}) list->resize(particles);
   for (auto* const list : {&times_, &durations_, &moments_}) list->resize(particles);
   bulges_.assign(particles, {}), errors_.assign(particles, 0);
@@ -16,7 +16,7 @@ void FlowStep::begin(std::size_t particles) {
 
 /// At places_ and moments_. Those that have left the field in this step go on nowhere: to find what is nearest to them
 /// would cost more than all others.
-void FlowStep::ask_field() {
+void ParticleStep::ask_field() {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < places_.size(); ++i)
     if (out_[i] != 0) places_[i] = {kNaN, kNaN, kNaN};

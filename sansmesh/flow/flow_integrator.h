@@ -15,9 +15,9 @@ namespace sansmesh::inline v1 {
 
 /// A step of particles that go together, an entry each. Whoever makes it asks for the flow on their ways, stage by
 /// stage, all particles at once.
-class FlowStep {
+class ParticleStep {
  public:
-  explicit FlowStep(const VectorField& field) : field_(field) {}
+  explicit ParticleStep(const VectorField& field) : field_(field) {}
 
   // For integrators.
 
@@ -71,7 +71,7 @@ class FlowStep {
 struct FlowIntegrator {
   std::string_view name;     ///< as users write it: "rk4"
   std::string_view summary;  ///< a few words: "fourth order"
-  void (*step)(FlowStep& step) = nullptr;
+  void (*step)(ParticleStep& step) = nullptr;
   int order = 1;  ///< the error at a moment falls as this power of the steps' length
   /// Steps follow the tolerance: it tells their errors, which fall as that power of the length.
   bool adaptive = false;

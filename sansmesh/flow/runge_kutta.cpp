@@ -4,11 +4,11 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-void euler_step(FlowStep& step) {
+void euler_step(ParticleStep& step) {
   step.ask(1, [start = step.velocities(0)](std::size_t i) { return start[i]; });
 }
 
-void runge_kutta_step(FlowStep& step) {
+void runge_kutta_step(ParticleStep& step) {
   const std::span<const Vec3> start = step.velocities(0);
   step.ask(0.5, [&](std::size_t i) { return start[i] * 0.5; });
   const std::span<const Vec3> middle = step.velocities(1);

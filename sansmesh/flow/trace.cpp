@@ -209,7 +209,7 @@ class Stepper {
 
   const TraceOptions& options_;
   const FlowIntegrator& integrator_;
-  FlowStep step_;
+  ParticleStep step_;
   TimeRange times_;
   Box3 box_;
   double tolerance_ = 0, reach_ = 0, boundary_ = 0, direction_ = 1;

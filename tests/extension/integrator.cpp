@@ -4,7 +4,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-void heun_step(FlowStep& step) {
+void heun_step(ParticleStep& step) {
   const std::span<const Vec3> start = step.velocities(0);
   step.ask(1, [&](std::size_t i) { return start[i]; });
   const std::span<const Vec3> end = step.velocities(1);
