@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
@@ -273,7 +275,14 @@ constexpr ReportRow kSimulationPlanRows[] = {
 }  // namespace
 
 const ReportSchema& SimulationPlan::schema() {
-  static constexpr ReportSchema schema{kSimulationPlanRows};
+  // Which integrators there are is known when the program runs.
+  static const std::vector<ReportRow> rows = [] {
+    std::vector<ReportRow> all(std::begin(kSimulationPlanRows), std::end(kSimulationPlanRows));
+    for (ReportRow& row : all)
+      if (row.name == "integrator") row.choices = registry_names<BodyIntegrator>();
+    return all;
+  }();
+  static const ReportSchema schema{rows};
   return schema;
 }
 

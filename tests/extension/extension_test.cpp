@@ -29,6 +29,17 @@ const nlohmann::json* option_of(const nlohmann::json& command, const std::string
   return nullptr;
 }
 
+/// Help without the breaks of its lines.
+std::string unwrapped(const std::string& help) {
+  std::string text;
+  for (const char c : help)
+    if (c != ' ' && c != '\n')
+      text += c;
+    else if (!text.ends_with(' '))
+      text += ' ';
+  return text;
+}
+
 TEST_F(Extension, SurfaceIsKnownEverywhere) {
   write_points(path("ball.ply"), sphere(3000));
   for (const char* command : {"reconstruct", "render", "project"}) {
@@ -67,7 +78,7 @@ TEST_F(Extension, OptionThatASurfaceHasForItselfIsOneOfAllCommandsWithSurfaces) 
     EXPECT_EQ((*option)["usual"], "10");
     EXPECT_EQ((*option)["range"]["least"], 3);
     EXPECT_EQ((*option)["range"]["most"], 50);
-    const std::string help = run({command, "--help-all"}).out;
+    const std::string help = unwrapped(run({command, "--help-all"}).out);
     EXPECT_NE(help.find("shepard: nearest samples whose planes count, 3..50 [10]"), std::string::npos) << help;
   }
   EXPECT_NE(run({"completion", "bash"}).out.find("--shepard-neighbours"), std::string::npos);
@@ -136,7 +147,7 @@ TEST_F(Extension, IntegratorIsKnownEverywhere) {
     ASSERT_NE(choice, nullptr) << command;
     EXPECT_EQ((*choice)["choices"], nlohmann::json::array({"euler", "rk4", "dopri5", "heun"}));
   }
-  const std::string help = run({"flow", "lines", "--help-all"}).out;
+  const std::string help = unwrapped(run({"flow", "lines", "--help-all"}).out);
   EXPECT_NE(help.find("heun (Heun's, second order)"), std::string::npos) << help;
   EXPECT_NE(help.find("Of euler, rk4, heun, and at most of dopri5"), std::string::npos) << help;
 
