@@ -1,6 +1,6 @@
 // Whatever bytes a file of points or a mesh holds, reading it ends with points whose arrays fit together, or with a
-// FileError of one printable line. The first byte chooses the format, those with a source of their own after the others:
-// a reader sees what it would never get through the choice by content.
+// FileError of one printable line. The first byte chooses the format, those with a source of their own after the
+// others: a reader sees what it would never get through the choice by content.
 #include <string>
 #include <string_view>
 #include <vector>

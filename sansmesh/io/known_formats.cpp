@@ -1,4 +1,5 @@
-// The library's formats that have a FormatId, in its order. A format without one has a source of its own, NAME_formats.cpp.
+// The library's formats that have a FormatId, in its order. A format without one has a source of its own,
+// NAME_formats.cpp.
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/readers.h"
