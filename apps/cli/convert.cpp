@@ -129,6 +129,7 @@ class Conversion {
     const std::string name = a_.input.name();
     const SplitResult made = naming(name, console_, [&] { return split(data, a_.parts, console_.progress()); });
     console_.note(name, made.notes);
+    console_.tell(made);
     if (made.distance)
       said_.push_back(
           fmt::format("--split: {} at a distance of {}", counted(made.found, "part"), length(*made.distance)));
@@ -163,7 +164,7 @@ Command add_convert(CommandLine& app) {
   c.add_option("-o,--output", a.output,
                "Mesh (" + listed_endings(endings_written(kMesh)) + ") or points (" +
                    listed_endings(endings_written(kPoints)) + ") to write")
-      .type_name("FILE")
+      .writes(endings_written(kMesh | kPoints))
       .required();
   add_ascii_flag(c, a.ascii);
   add_schema(c, a.options, {.only = {"vertices_only"}});
@@ -185,7 +186,7 @@ Command add_convert(CommandLine& app) {
            "  sansmesh convert scan.ply -o moved.ply --transform matrix.txt");
   c.tells({told<ReadFiles>("input"), told_value<std::string>("input.format", "Format of the file"),
            told_value<std::vector<std::string>>("input.unread", "What there was no place for"), told<ConvertReport>(),
-           told_list<ConvertedFile>("outputs"),
+           told<SplitResult>(), told_list<ConvertedFile>("outputs"),
            told_value<std::vector<std::string>>("left_out", "What the format of the output has no room for")});
   return {&c, [shared](Console& console) { Conversion(*shared, console).run(); }};
 }

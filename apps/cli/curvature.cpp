@@ -98,7 +98,7 @@ Command add_curvature(CommandLine& app) {
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a.output,
                "Points or mesh to write with attributes: .ply .csv .pcd .vtp, of meshes .glb (others: colours only)")
-      .type_name("FILE")
+      .writes({".ply", ".csv", ".pcd", ".vtp", ".glb"})
       .required();
   add_preview_option(c, a.preview, "the coloured points");
   add_ascii_flag(c, a.ascii);

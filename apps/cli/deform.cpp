@@ -38,7 +38,7 @@ struct DeformArguments {
   PictureArguments picture;
   VolumeColors colors;
   std::vector<std::string> clips;
-  std::string output, unit, background = "gradient";
+  std::string output, unit;
   bool ascii = false, all_arrays = false, no_bar = false;
 
   DeformAim aim() const {
@@ -77,7 +77,6 @@ DeformedThing thing_of(const DeformArguments& a) {
 void check_deform(DeformArguments& a) {
   VolumePictureOptions& look = a.options.look;
   look.picture = a.picture.chosen();
-  set_background(look.picture, a.background);
   a.options.any_view = !a.picture.has_view();
   a.picture.check_frames(a.options.frames.has_value());
   a.deformation.validate();
@@ -178,7 +177,7 @@ Deformed deform_volume(DeformArguments& a, const Deformation& deformation, Conso
   console.tell(subject, "output");
   console.say(method_line(volume));
   const DeformReport& r = d.result.report;
-  if (!picture) d.lines = {lattice_words(r.size, r.inside)};
+  if (!picture) d.lines = {lattice_words(r.size, r.inside.value_or(0))};
   return d;
 }
 
@@ -234,12 +233,13 @@ Command add_deform(CommandLine& app) {
   c.add_option("input", a.input.files,
                "Mesh, points, function (.smf), expression as of csg, DATA[NAME=VALUE], or a volume")
       .type_name("INPUT")
+      .reads()
       .required();
   c.add_option(
        "-o,--output", a.output,
        "Mesh or points as they came; of functions a mesh, a section (.svg, .csv); of volumes .vti, .mhd, .nrrd; "
        "of all a picture (.png)")
-      .type_name("FILE")
+      .writes({".ply", ".png", ".svg", ".csv", ".vti", ".mhd", ".nrrd"})
       .required();
   add_schema(c, a.deformation, {.group = "Deformation", .without = {"cut", "cut_damping"}});
   add_schema(c, a.options, {.group = "Deformation", .only = {"frames"}});
@@ -277,7 +277,7 @@ Command add_deform(CommandLine& app) {
   c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group(volumes);
 
   add_schema(c, a.options, {.group = "Picture", .only = {"exact_deformation", "draw_handles", "draw_folds"}});
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);
   c.footer(

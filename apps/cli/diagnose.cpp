@@ -88,7 +88,7 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
   console.tell(ToldFile{a.input}, "input");
   console.tell(made);
   if (!a.script.empty()) console.tell(ToldFile{a.script}, "script");
-  console.tell_value("pictures", files);
+  if (!a.pictures.empty()) console.tell_value("pictures", files);
 
   const Diagnosis& d = made.diagnosis;
   console.say(fmt::format("{}: {}; largest gradient around the surface {:.2f}", a.input,
@@ -108,15 +108,15 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
 Command add_diagnose(CommandLine& app) {
   CommandLine& c = app.add_subcommand("diagnose", "Function file → suspicious places, a picture, and edits to try");
   auto a = std::make_shared<DiagnoseArguments>();
-  c.add_option("input", a->input, "Function, .smf").type_name("FILE").endings({".smf"}).required();
+  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
   c.add_option("--script-output", a->script, "Write a script for `sansmesh edit`, one step for each place: .json")
       .once_called("--script")
-      .type_name("FILE");
+      .writes({".json"});
   c.add_option("--preview", a->preview, "Draw the surface, suspicious places in colour, into this PNG")
-      .type_name("FILE");
+      .writes({".png"});
   c.add_option("--pictures", a->pictures,
                "Look at each place from outside, ringed, with its number in the list: all on one sheet, a PNG")
-      .type_name("FILE");
+      .writes({".png"});
   c.add_flag("--separate", a->separate, "Instead of the sheet a file for each place: FILE_001.png, FILE_002.png, …");
   add_picture_options(c, a->picture);
   add_wireframe_options(c, a->picture.options);

@@ -23,7 +23,7 @@ struct FlowLinesArguments {
   TraceLinesOptions options;
   LinePictureOptions drawn;
   PictureArguments picture;
-  std::string output, preview, background;
+  std::string output, preview;
   bool ascii = false;
 };
 
@@ -32,14 +32,12 @@ void check_flow_lines(FlowLinesArguments& a) {
   check_writable(a.output, "lines");
   a.options.validate();
   if (a.preview.empty()) {
-    require(options_set(a.drawn).empty() && a.background.empty() && !a.picture.any(),
+    require(options_set(a.drawn).empty() && !a.picture.any(),
             "--color-by, --unit, --tube-radius, --background and the options of the picture need --preview");
     return;
   }
   a.drawn.picture = a.picture.chosen();
   a.drawn.any_view = !a.picture.has_view();
-  a.drawn.any_background = a.background.empty();
-  set_background(a.drawn.picture, a.background);
   a.drawn.validate(usual_color(a.options.lines));
   check_writable(a.preview, "image");
 }
@@ -85,7 +83,7 @@ Command add_flow_lines(CommandLine& flow) {
   FlowLinesArguments& a = *shared;
   add_flow_input(c, a.input);
   c.add_option("-o,--output", a.output, "Lines to write: .vtp, .ply or .csv (line,time,x,y,z, …)")
-      .type_name("FILE")
+      .writes({".vtp", ".ply", ".csv"})
       .required();
   const std::vector<std::string_view> steps = {"integrator", "tolerance", "step_length", "least_speed", "most_steps"};
   add_schema(c, a.options, {.without = steps});
@@ -93,7 +91,7 @@ Command add_flow_lines(CommandLine& flow) {
   add_ascii_flag(c, a.ascii);
   add_preview_option(c, a.preview, "the lines as tubes");
   add_schema(c, a.drawn, {.group = "Picture"});
-  add_background_option(c, a.background, "light gray");
+  add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   c.footer(std::string(kFlowsByFormula) +
            "Examples:\n"

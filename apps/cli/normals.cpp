@@ -56,7 +56,7 @@ Command add_normals(CommandLine& app) {
   NormalsArguments& a = *shared;
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a.output, "Points to write: " + listed_endings(endings_written(kPoints)))
-      .type_name("FILE")
+      .writes(endings_written(kPoints))
       .required();
   add_ascii_flag(c, a.ascii);
   add_schema(c, a.options);

@@ -9,6 +9,7 @@
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -76,13 +77,14 @@ Command add_probe(CommandLine& app) {
   CommandLine& c = app.add_subcommand("probe", "Function file → its value, gradient and curvature at points");
   c.once_called("eval");
   auto a = std::make_shared<ProbeArguments>();
-  c.add_option("input", a->input, "Function, .smf").type_name("FILE").endings({".smf"}).required();
+  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
   c.add_option("--points", a->points.files, "Where: the points of this file; may be repeated (tiles)")
-      .type_name("FILE")
+      .reads(endings_read(kPoints))
       .repeated();
   add_class_options(c, a->points);
   c.add_option("--at", a->at, "Where: at this place, x,y,z; may be repeated").numbers(3).repeated().type_name("POINT");
-  c.add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp").type_name("FILE");
+  c.add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp")
+      .writes({".ply", ".csv", ".pcd", ".vtp"});
   add_ascii_flag(c, a->ascii);
   c.footer(
       "The value is about the distance to the surface, negative inside, in the unit of the input. k1 and k2 are the\n"

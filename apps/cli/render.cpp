@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/surface_function.h"
 #include "schema_options.h"
 #include "surface_options.h"
@@ -21,7 +22,6 @@ struct RenderArguments {
   CloudInput input;
   std::string output;
   PictureArguments picture;
-  std::string background = "gradient";
   SurfaceArguments of_samples;
   PictureOptions options;
   bool as_one = false;
@@ -41,7 +41,6 @@ const ReportSchema& ToldObject::schema() { return kToldObjectSchema; }
 PictureOptions complete_options(const RenderArguments& a) {
   PictureOptions options = a.options;
   options.look.picture = a.picture.chosen();
-  set_background(options.look.picture, a.background);
   options.surface = a.of_samples.chosen();
   options.validate();
   return options;
@@ -59,6 +58,7 @@ PictureObject open_object(const CloudInput& input, bool with_lines, Console& con
   const std::string& file = input.files[0];
   PictureObject object{.name = input.name(), .title = std::filesystem::path(file).filename().string()};
   if (input.is_function()) {
+    console.progress().begin("read");
     read.format = "function";
     object.function = read_function(file);
     return object;
@@ -127,12 +127,12 @@ Command add_render(CommandLine& app) {
   RenderArguments& a = *shared;
   c.add_option("input", a.input.files,
                "Meshes, points or functions (.smf): several are objects of one picture, but with --as-one or --surface")
-      .type_name("FILE")
+      .reads(endings_read(kPoints | kFunction))
       .required();
   add_class_options(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
+  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
   add_picture_options(c, a.picture);
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   add_schema(c, a.picture.options, {.group = "Picture", .only = {"smooth", "shadows"}});
   add_schema(c, a.picture.options, {.group = "Picture", .only = {"antialiasing"}});
   add_schema(c, a.picture.options, {.group = "Picture", .only = {"point_radius"}});

@@ -13,6 +13,7 @@
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/jobs/frame_names.h"
 #include "sansmesh/jobs/motion_files.h"
 #include "schema_options.h"
@@ -23,7 +24,7 @@ namespace sansmesh::cli {
 namespace {
 
 struct SimulateArguments {
-  std::string tets, forces, fixed, surface, energies, background = "gradient";
+  std::string tets, forces, fixed, surface, energies;
   MotionFiles files;
   SimulateOptions options;
   std::string volume_file;
@@ -46,6 +47,7 @@ void check_simulate(const SimulateArguments& a) {
   a.picture.chosen().validate();
   a.picture.check_frames(true);
 }
+
 /// Errors of what the scene says are those of its file, others of the body's.
 template <class Work>
 auto with_files(const SimulateArguments& a, const Console& console, const Work& work) {
@@ -88,7 +90,6 @@ std::optional<MotionPictures> open_pictures(SimulateArguments& a, const Simulati
                                             std::shared_ptr<const CarriedSurface> surface, Console& console) {
   if (!a.files.draws()) return std::nullopt;
   RenderOptions look = a.picture.chosen();
-  set_background(look, a.background);
   if (plan.z_up) look.view.up = UpAxis::z;
   auto volume = open_carried_volume(a, console);
   if (volume && a.surface.empty()) surface.reset();
@@ -120,7 +121,7 @@ void run_simulate(SimulateArguments& a, Console& console) {
   const MotionUse use{.frame_time = plan.frame_time,
                       .pictures = pictures ? &*pictures : nullptr,
                       .part = [&](const Image& image) { return a.picture.part(image, a.picture.chosen()); },
-                      .used =
+                      .before_frame =
                           [&](std::size_t frame) {
                             if (frame > 0) console.keep_frames();
                           }};
@@ -149,37 +150,40 @@ Command add_simulate(CommandLine& app) {
   CommandLine& c = app.add_subcommand("simulate", "Tetrahedra that move by forces → frames, pictures, an animation");
   auto shared = std::make_shared<SimulateArguments>();
   SimulateArguments& a = *shared;
-  c.add_option("tets", a.tets, "Tetrahedra: .msh .mesh .node/.ele .veg .vtu, …").type_name("TETS").required();
+  c.add_option("tets", a.tets, "Tetrahedra: .msh .mesh .node/.ele .veg .vtu, …")
+      .type_name("TETS")
+      .reads(endings_read(kTetrahedra))
+      .required();
   c.add_option("--forces", a.forces, "Scene: what holds, pulls and stops the body, material, time (JSON)")
-      .type_name("FILE");
+      .reads({".json"});
   c.add_option("-o,--output", a.files.outputs,
                "Frames to write, NAME_0000.vtu, … (and NAME.pvd), .ply .obj .stl .off .glb .vtp (surface) or .png "
                "(pictures); may be repeated")
-      .type_name("FILE")
+      .writes({".vtu", ".ply", ".obj", ".stl", ".off", ".glb", ".vtp", ".png"})
       .repeated();
   c.add_option("--animation", a.files.animation,
                "Pictures of all frames in one file, an animated PNG that browsers play")
-      .type_name("FILE");
-  c.add_option("--energies", a.energies, "Energies, iterations and contacts of every step: .csv").type_name("FILE");
+      .writes({".png"});
+  c.add_option("--energies", a.energies, "Energies, iterations and contacts of every step: .csv").writes({".csv"});
   c.add_option("--embedded-mesh", a.surface, "Mesh that moves with the tetrahedra, in place of their boundary")
-      .type_name("FILE")
+      .reads(endings_read(kPoints))
       .once_called("--surface");
   const char* const body = "Body";
   c.add_option("--fixed", a.fixed, "List of vertices that stay where they are (.bou), numbered as in TETS")
-      .type_name("FILE")
+      .reads({".bou"})
       .group(body);
   add_schema(c, a.options,
              {.group = body, .only = {"model", "stiffness", "young", "poisson", "damping", "density", "unit"}});
   add_schema(c, a.options, {.group = "Time", .only = {"duration", "fps", "frames", "integrator", "longest_step"}});
   const char* const seen = "Volume";
   c.add_option("--embedded-volume", a.volume_file, "Volume that moves with the tetrahedra, for pictures")
-      .type_name("FILE")
+      .reads()
       .once_called("--volume")
       .group(seen);
   c.add_option("--array", a.volume.array, "Of the volume [the first that varies]").type_name("NAME").group(seen);
   a.colors.add_options(c, seen);
   add_ascii_flag(c, a.files.ascii);
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);
   c.footer(

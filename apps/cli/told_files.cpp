@@ -25,7 +25,7 @@ constexpr ReportRow kWrittenPoints[] = {reported<&WrittenPoints::file>({.text = 
 constexpr ReportRow kWrittenMesh[] = {reported<&WrittenMesh::file>({.text = "File"}),
                                       reported<&WrittenMesh::vertices>({.text = "Vertices of the mesh"}),
                                       reported<&WrittenMesh::triangles>({.text = "Triangles of the mesh"}),
-                                      reported<[](const WrittenMesh& r) { return r.topology.encloses(); }>(
+                                      reported<[](const WrittenMesh& r) { return r.topology.closed(); }>(
                                           {.name = "closed", .text = "Whether the mesh is closed"}),
                                       reported<[](const WrittenMesh& r) { return r.topology.components; }>(
                                           {.name = "components", .text = "Connected parts of the mesh"}),

@@ -1,4 +1,4 @@
-// What commands tell of the files that they read and write.
+// Reports on files that commands read and write.
 #pragma once
 
 #include <cstddef>

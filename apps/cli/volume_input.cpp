@@ -22,7 +22,7 @@ VolumeModel VolumeInput::open(Console& console) const {
 }
 
 void add_volume_files(CommandLine& c, VolumeInput& input) {
-  c.add_option("data", input.files, "Volume; several files are its blocks").type_name("DATA").required();
+  c.add_option("data", input.files, "Volume; several files are its blocks").type_name("DATA").reads().required();
   add_raw_options(c, input.read);
 }
 

@@ -66,10 +66,10 @@ Command add_volume_probe(CommandLine& volume) {
   CommandLine& c = volume.add_subcommand("probe", "Values and gradients of a volume at points");
   auto a = std::make_shared<ProbeArguments>();
   add_volume_input(c, a->input);
-  c.add_option("--points", a->points, "Where: a table with columns x, y, z, or any file of points").type_name("FILE");
+  c.add_option("--points", a->points, "Where: a table with columns x, y, z, or any file of points").reads();
   c.add_option("--at", a->at, "Where: at this place, x,y,z; may be repeated").numbers(3).repeated().type_name("POINT");
   c.add_option("-o,--output", a->output, "Table to write (.csv): x,y,z,NAME,NAME_dx,NAME_dy,NAME_dz,inside")
-      .type_name("FILE");
+      .writes({".csv"});
   c.footer(std::string(kReadableVolumes) +
            "\n\nOne row a point, in their order. Outside of the volume `inside` is 0; values there go on from its "
            "boundary.\n\nExamples:\n"

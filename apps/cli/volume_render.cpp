@@ -23,7 +23,7 @@ namespace {
 
 struct VolumeRenderArguments {
   VolumeInput input;
-  std::string output, save_transfer, background = "gradient";
+  std::string output, save_transfer;
   VolumeColors colors;
   PictureContentsOptions contents;
   PictureArguments picture;
@@ -36,7 +36,6 @@ struct VolumeRenderArguments {
 VolumePicturesOptions VolumeRenderArguments::chosen() const {
   VolumePicturesOptions o = options;
   o.look.picture = picture.chosen();
-  set_background(o.look.picture, background);
   colors.put_into(o.look);
   o.look.picture.view.steady = frames > 0;
   o.any_view = !picture.has_view();
@@ -89,10 +88,10 @@ Command add_volume_render(CommandLine& volume) {
   auto shared = std::make_shared<VolumeRenderArguments>();
   VolumeRenderArguments& a = *shared;
   add_volume_input(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
+  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
   a.colors.add_options(c, "Options");
   c.add_option("--save-transfer", a.save_transfer, "Also writes what was used, to be changed and given to --transfer")
-      .type_name("FILE");
+      .writes({".json"});
   add_schema(c, a.contents);
   add_schema(c, a.options, {.without = {"preset", "opacity_factor", "iso", "bar", "label", "unit", "title"}});
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});
@@ -102,7 +101,7 @@ Command add_volume_render(CommandLine& volume) {
       .type_name("UNIT")
       .without_value("")
       .group("Picture");
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   c.add_option("--frames", a.frames, "Turntable: so many pictures around the up axis, NAME_000.png, …")
       .type_name("COUNT")
       .group("Picture");

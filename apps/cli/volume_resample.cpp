@@ -45,7 +45,7 @@ Command add_volume_resample(CommandLine& volume) {
   auto a = std::make_shared<ResampleArguments>();
   add_volume_input(c, a->input);
   c.add_option("-o,--output", a->output, "Image to write: .vti (with the array `inside`), .mhd, .mha or .nrrd")
-      .type_name("FILE")
+      .writes({".vti", ".mhd", ".mha", ".nrrd"})
       .required();
   add_schema(c, a->options);
   c.add_flag_callback(

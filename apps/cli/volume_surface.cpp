@@ -15,6 +15,7 @@
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/volume_pictures.h"
 #include "schema_options.h"
@@ -28,7 +29,7 @@ struct VolumeSurfaceArguments {
   SurfaceInVolumeOptions options;
   MeshInVolumeOptions meshing;
   SurfaceInVolumeLook look;
-  std::string output, points, background = "gradient", unit;
+  std::string output, points, unit;
   std::optional<double> distance;
   PictureArguments picture;
   bool ascii = false, quick = false, no_bar = false;
@@ -69,7 +70,6 @@ void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfac
                   Console& console) {
   SurfaceRenderOptions look;
   look.picture = a.picture.chosen();
-  set_background(look.picture, a.background);
   look.plain = a.quick, look.picture.view.steady = a.frames > 0;
   look.validate();
   std::vector<Note> notes;
@@ -96,7 +96,7 @@ void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfa
   console.note(volume.name(), made.notes);
   console.progress().begin("write");
   write_mesh(a.output, made.mesh, {.ascii = a.ascii});
-  console.tell(WrittenMesh(a.output, made.mesh), "output");
+  tell_mesh(a.output, made.mesh, console);
   console.tell(r);
   say_mesh(a.output, made.mesh, static_cast<std::size_t>(r.mesh.components), r.volume.has_value(), console);
   console.say(area_words(r.area, r.volume));
@@ -148,9 +148,10 @@ Command add_volume_surface(CommandLine& volume) {
   auto shared = std::make_shared<VolumeSurfaceArguments>();
   VolumeSurfaceArguments& a = *shared;
   add_volume_input(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture (.png) or mesh (.ply, .obj, .stl, …) to write").type_name("FILE");
+  c.add_option("-o,--output", a.output, "Picture (.png) or mesh (.ply, .obj, .stl, …) to write")
+      .writes({".png", ".ply", ".obj", ".stl", ".off", ".glb", ".vtp"});
   c.add_option("--points-output", a.points, "Also or only: points spread evenly over the surface, with normals")
-      .type_name("FILE")
+      .writes(endings_written(kPoints))
       .once_called("--points");
   c.add_option("--point-spacing", a.distance, "Distance of these points [the spacing of the samples]")
       .type_name("LENGTH")
@@ -159,7 +160,7 @@ Command add_volume_surface(CommandLine& volume) {
   add_schema(c, a.options.surface, {.group = "Weights", .without = {"high_gradient"}});
   add_schema(c, a.look, {.group = "Picture"});
   c.add_flag("--quick", a.quick, "One ray a pixel, no shadows").group("Picture");
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   c.add_option("--frames", a.frames, "Turntable: so many pictures around the up axis, NAME_000.png, …")
       .type_name("COUNT")
       .group("Picture");

@@ -203,7 +203,7 @@ struct SANSMESH_API ConvertedBy {
   std::size_t size = 0;                  ///< points or vertices
   std::optional<std::size_t> triangles;  ///< of a mesh
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Numbers of a run of convert().
@@ -213,7 +213,7 @@ struct SANSMESH_API ConvertReport {
   std::size_t triangles = 0;       ///< of what came; 0 of a cloud
   std::vector<ConvertedBy> steps;  ///< after each of them
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Converted cloud or mesh.
@@ -257,7 +257,7 @@ struct SANSMESH_API SplitResult {
   /// no triangle were left out.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Takes a cloud or mesh apart into its connected parts. Throws ArgumentError for bad options, DataError where none is

@@ -80,7 +80,7 @@ class SANSMESH_API Deformation {
   /// "15 handles, rigid", "by a displacement map"
   std::string words() const;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 
  private:
   struct State;
@@ -202,11 +202,11 @@ struct SANSMESH_API DeformReport {
   std::optional<CsgMeshReport> solid;  ///< of the mesh of a solid
   std::vector<Section> sections;       ///< where they were asked for
   std::array<std::size_t, 3> size{};   ///< of a lattice
-  double inside = 1;                   ///< share of its points that are in the volume
+  std::optional<double> inside;        ///< share of its points that are in the volume
   std::uint64_t rays = 0;              ///< of pictures of volumes
   std::uint64_t evaluations = 0;       ///< of the volume, along these rays
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// What came of a deformation; the poses themselves were handed over.
@@ -235,7 +235,7 @@ struct SANSMESH_API DeformableVolume {
   std::vector<std::shared_ptr<const VolumeField>> fields;  ///< one at least; pictures show the first
   std::vector<std::string> arrays;                         ///< their names
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Of a volume the array that it was opened with, for pictures as a scalar, or `all` arrays of the same samples. Throws

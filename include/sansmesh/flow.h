@@ -148,7 +148,7 @@ struct SANSMESH_API TraceSurfaceResult {
   /// "outside": particles that began out of the flow.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Stream, path, streak and time surfaces from a seed curve; the same bytes for any number of threads. Throws

@@ -41,7 +41,7 @@ struct SANSMESH_API FitFunctionReport {
   std::optional<OrientBy> oriented_by;  ///< from what the normals got their signs; nothing: from the input
   std::string alignment;  ///< what was done to scans, in words; empty where nothing was asked for (CloudUse::align)
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Function of samples.
@@ -77,14 +77,14 @@ struct SANSMESH_API ProbeFunctionReport {
   double largest = 0;           ///< distance (length)
   double largest_gradient = 0;  ///< norm; near the surface about 1 where the function is sound
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Values of a function at one place.
 struct SANSMESH_API ProbedPlace : LevelSetPoint {
   Vec3 at;  ///< in the coordinates of the input
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Values of a function at places.
@@ -123,7 +123,7 @@ struct SANSMESH_API EditedFunction {
   TriangleMesh mesh = {};         ///< of the function; empty unless asked for
   MeshUpdate update = {};         ///< what of it is new; of one that was made without another nothing is told
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Edits a function, one edit after the other; with `make_mesh` also its mesh as the edits leave it. Throws
@@ -141,7 +141,7 @@ struct SANSMESH_API ListedPlace {
   /// The place's `worst` in words: "coverage down to 0.12".
   std::string worst_words() const;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Suspicious places of a function, with edits to try.
@@ -151,7 +151,7 @@ struct SANSMESH_API DiagnoseResult {
   std::vector<ListedPlace> places;  ///< the same places, numbered
   std::vector<Edit> edits;          ///< to try, one for each place that has a step
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Looks for places where a function should not be trusted without a look (METHODS §3.1,
@@ -178,7 +178,7 @@ struct SANSMESH_API FunctionInfo {
   std::vector<std::string> history;  ///< edits that made it, one line each
   std::optional<PaperReport> paper;  ///< of FitMethod::paper: how its blocks came to be; files do not keep it
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// What is known of a function, without evaluating it.

@@ -85,7 +85,7 @@ struct SANSMESH_API DrawnObject {
   std::string color;                   ///< "#rrggbb", or "own"
   double opacity = 1;                  ///< 0..1
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Report on pictures of objects.
@@ -95,7 +95,7 @@ struct SANSMESH_API RenderReport {
   std::optional<CastCounts> rays;        ///< of that
   std::optional<std::size_t> splats;     ///< in place of rays
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Outcome of render().
@@ -119,8 +119,7 @@ struct SANSMESH_API LinePictureOptions {
   std::optional<double> tube_radius = {};  ///< length; default: 1/400 of the lines' diagonal
   /// Its width is that of tubes and scale together. Shadows and ground mean nothing: colours are to be read.
   RenderOptions picture = {};
-  bool any_view = true;        ///< nobody chose the view: that of a single layer looks straight at it
-  bool any_background = true;  ///< nobody chose the background: it is light gray
+  bool any_view = true;  ///< nobody chose the view: that of a single layer looks straight at it
 
   /// Without `picture`.
   static const OptionSchema& schema();
@@ -140,7 +139,7 @@ struct SANSMESH_API LinePicture {
   double radius = 0;            ///< of the tubes (length)
   std::size_t triangles = 0;    ///< that the tubes are made of
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Radius of the tubes that lines are drawn as: the given one, or 1/400 of their diagonal. Throws DataError where all

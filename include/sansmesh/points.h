@@ -33,7 +33,7 @@ struct SANSMESH_API AttributeInfo {
   std::vector<std::optional<std::pair<double, double>>> ranges;
   std::optional<std::size_t> not_finite = {};  ///< numbers; told of arrays of volumes
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Facts of a cloud or mesh. Lengths and places in the unit of the input.
@@ -55,7 +55,7 @@ struct SANSMESH_API CloudInfo {
   std::size_t triangles = 0;         ///< of the file
   std::optional<MeshTopology> mesh;  ///< of what has some, sewn where its borders lie on each other
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Measures a cloud, or the vertices of a mesh. Throws Cancelled.
@@ -82,7 +82,7 @@ struct SANSMESH_API NormalsReport {
   GivenNormals check;                   ///< of what was made
   std::size_t unknown = 0;              ///< samples without a normal: zero
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Samples with normals.
@@ -122,7 +122,7 @@ struct SANSMESH_API CurvatureReport {
   double color_range = 0;                                ///< the value that gets the full colour
   bool beyond_range = false;                             ///< some are larger
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Samples with curvatures.
@@ -173,7 +173,7 @@ struct SANSMESH_API ProjectReport {
   /// How far points moved, unless new ones were spread; of lop only how many there are.
   SurfaceProjection moved;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Points on a surface.

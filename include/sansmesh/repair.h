@@ -25,7 +25,7 @@ struct SANSMESH_API HolesResult {
   /// "stray_border": border that runs around no hole.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Finds the holes; vertices at the same place become one before. Throws DataError for more triangles than can be
@@ -43,7 +43,7 @@ struct SANSMESH_API FillResult {
   /// pieces that lie in a filling; "seams": vertices at one place differ otherwise.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// The mesh with its holes filled; vertices at the same place become one before. Throws ArgumentError for
@@ -87,7 +87,7 @@ struct SANSMESH_API SimplifyReport {
   /// How far off the best shapes are (length), where worse ones are nearer and were taken.
   std::optional<double> farthest_by_shape;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Mesh of fewer triangles.

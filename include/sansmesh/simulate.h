@@ -91,7 +91,7 @@ struct SANSMESH_API SimulationPlan {
   /// "mean_material": several materials, their mean is taken; "no_material": cells without one; "unit": it is guessed.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// What the options and the scene say together, and for what neither says: materials of the cells (arrays `density`,
@@ -170,7 +170,7 @@ struct SANSMESH_API SimulateReport {
   BodyEnergies first, last;               ///< at rest, and in the end
   std::vector<SimulationMoment> moments;  ///< at rest, and where they are asked for after each step
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
   /// All moments as a table (CSV): energies, iterations, contacts.
   std::string table() const;
 };

@@ -185,7 +185,7 @@ struct SANSMESH_API BodyEnergies {
   double kinetic = 0, elastic = 0, gravity = 0;                 ///< J
   double total() const { return kinetic + elastic + gravity; }  ///< J
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 }  // namespace sansmesh::inline v1

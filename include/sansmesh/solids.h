@@ -40,7 +40,7 @@ class SANSMESH_API SolidModel {
   /// For the library's own sources.
   const SolidParts& parts() const { return *parts_; }
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 
  private:
   std::shared_ptr<const SolidParts> parts_;

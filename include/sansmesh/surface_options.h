@@ -220,7 +220,7 @@ struct SANSMESH_API SurfaceProjection {
   double rms_move = 0;        ///< distance, root mean square
   double largest_move = 0;    ///< distance, largest
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// A surface that was made of samples.
@@ -231,7 +231,7 @@ struct SANSMESH_API SurfaceReport {
   int order = 0, iterations = 0;  ///< amls
   std::size_t samples = 0;        ///< that it was made of
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -86,7 +86,7 @@ struct SANSMESH_API ShownColors {
   TransferFunction colors;
   BarEnds ends;  ///< of the colours
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Pictures of a surface in a volume, by rays and without a mesh. Built once; then pictures from anywhere.

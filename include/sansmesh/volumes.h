@@ -145,10 +145,10 @@ struct SANSMESH_API VolumeUse {
   std::string grid;                ///< in words
   std::vector<std::string> notes;  ///< on the values
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
-/// What a volume was used as so far.
+/// Array, method and samples that were used of a volume so far.
 SANSMESH_API VolumeUse volume_use(const VolumeModel& volume, Progress& progress);
 
 /// A volume that changes in time: its steps, all open at once.
@@ -158,7 +158,7 @@ struct SANSMESH_API VolumeSeries {
   std::string name;                ///< of the files
   std::vector<Note> notes;         ///< of reading, of all steps
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// All steps of a file, or several files one after the other. `times`: of files, each, or the first and the step
@@ -174,7 +174,7 @@ struct SANSMESH_API ProbeReport {
   ReconstructionReport reconstruction;  ///< of the field
   std::size_t inside = 0;               ///< points in the volume
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Values of a volume at points. Of point i and component c the value stands at i * names.size() + c.
@@ -201,7 +201,7 @@ struct SANSMESH_API ProbedValue {
   Vec3 gradient;        ///< values per length
   bool inside = false;  ///< in the volume
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// A point after the other, and of each its components.
@@ -216,7 +216,7 @@ struct SANSMESH_API ResampleReport {
   std::array<std::size_t, 3> size{};    ///< values along the axes
   double inside = 0;                    ///< share of the values that lie in the volume
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// A volume on a uniform grid.
@@ -247,7 +247,7 @@ struct SANSMESH_API FitVolumeReport {
   std::vector<std::string> arrays;      ///< that are kept
   std::vector<std::size_t> by_degree;   ///< polynomials of degree 0, 1, …; empty for methods without coefficients
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// A volume with its reconstruction, to be kept. Cheap to copy.
@@ -273,14 +273,14 @@ struct SANSMESH_API HeldReconstruction {
   ReconstructionOptions options;       ///< with what was chosen from the data
   std::vector<std::size_t> by_degree;  ///< as in FitVolumeReport
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Contents of a file of a volume.
 struct SANSMESH_API VolumeInfo {
   std::string format;                             ///< of the file
   VolumeFacts facts;                              ///< on the grid
-  std::size_t samples = 0;                        ///< of the array, as what follows
+  std::size_t samples = 0;                        ///< of the array
   bool in_cells = false;                          ///< values are those of cells
   Box3 box;                                       ///< around the samples
   std::vector<AttributeInfo> arrays;              ///< all of the file
@@ -291,7 +291,7 @@ struct SANSMESH_API VolumeInfo {
   /// "inverted", "layer".
   std::vector<Note> notes = {};
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Bare grids too, where the model may be one. Throws DataError where nothing can be made of them, Cancelled.
@@ -310,7 +310,7 @@ struct SANSMESH_API VolumeAdvice {
   /// Ends of a line across the flow, through the middle of the box, that surfaces of the flow may start from.
   std::optional<std::array<Vec3, 2>> seeds;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Throws DataError where there is neither an array nor a body, Cancelled.

@@ -48,8 +48,7 @@ MapPicture draw_map(const CompareResult& compared, const CompareOptions& options
   const TransferFunction scale = scale_of(s.range, map.has_sides);
   const std::string title = with_unit(kDistanceTitle, unit);
   MapPicture made{.image = {}, .made_with = picture};
-  made.made_with.look.background = PictureLook::Background::solid;
-  made.made_with.look.background_color = {0.93f, 0.94f, 0.95f};
+  made.made_with.look.background = Background::solid({0.93f, 0.94f, 0.95f});
   made.made_with.look.shadows = made.made_with.look.ground = false;
   made.made_with.view.width -= value_bar_width(picture.view.height, scale, title);
   std::vector<double> marks;

@@ -143,6 +143,10 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
   if (options.vertices_only) data.make_points();
   DoStep how{data, options.unit};
   for (const ConvertStep& step : options.steps) {
+    if (const auto* const about = std::get_if<AboutStep>(&step)) {
+      how(*about);
+      continue;
+    }
     progress.begin(std::string(step_name(step)));
     result.report.steps.push_back(do_step(data, step, how));
   }

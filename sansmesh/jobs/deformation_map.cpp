@@ -101,8 +101,7 @@ constexpr ReportRow kDeformReportRows[] = {
     reported<&DeformReport::sections>({.text = "Sections"}),
     reported<[](const DeformReport& r) { return told_if(r.size[0] > 0, r.size); }>(
         {.name = "size", .text = "Points of the lattice along its axes, of volumes"}),
-    reported<[](const DeformReport& r) { return told_if(r.size[0] > 0, r.inside); }>(
-        {.name = "inside", .text = "Share of these in the volume", .unit = "share"}),
+    reported<&DeformReport::inside>({.text = "Share of these in the volume", .unit = "share"}),
     reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.rays); }>(
         {.name = "rays", .text = "Rays, of pictures of volumes"}),
     reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.evaluations); }>(

@@ -119,7 +119,7 @@ constexpr ReportRow kDiagnoseResultRows[] = {
         {.name = "largest_gradient", .text = "Largest gradient around the surface"}),
     reported<[](const DiagnoseResult& r) { return counted_kinds(r); }>(
         {.name = "found", .text = "Places of each kind, those beyond the list among them"}),
-    reported<[](const DiagnoseResult& r) { return r.edits.size(); }>({.name = "script.edits", .text = "Edits to try"}),
+    reported<[](const DiagnoseResult& r) { return r.edits.size(); }>({.name = "edits", .text = "Edits to try"}),
     reported<&DiagnoseResult::places>({.text = "Places of each kind, the largest first"})};
 
 }  // namespace

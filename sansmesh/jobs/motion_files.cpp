@@ -34,6 +34,11 @@ void check_frames_writable(const std::string& output) {
   check_writable(first, "mesh");
 }
 
+/// The file of all frames of tetrahedra: NAME.pvd of NAME.vtu.
+std::string collection_of(const std::string& output) {
+  return std::filesystem::path(output).replace_extension(".pvd").string();
+}
+
 /// With the .pvd of all frames, or if not all can be written, of those that are.
 std::vector<std::string> write_tet_frames(const std::string& output, const Motion& motion, const MotionUse& use,
                                           Progress& progress) {
@@ -43,7 +48,7 @@ std::vector<std::string> write_tet_frames(const std::string& output, const Motio
   for (std::size_t k = 0; k < motion.frames(); ++k)
     series.push_back({motion.time(k), std::filesystem::path(motion_frame_name(output, k)).filename().string()});
   // First of all, so that there is room for it when the disk is full.
-  const std::string collection = std::filesystem::path(output).replace_extension(".pvd").string();
+  const std::string collection = collection_of(output);
   write_collection(collection, series);
   TetMesh frame = motion.rest();
   const std::vector<Vec3> at_rest = motion.positions(0);  // rounded as those of all frames
@@ -61,7 +66,7 @@ std::vector<std::string> write_tet_frames(const std::string& output, const Motio
       frame.attributes.set("velocity", std::move(velocity), 3);
       frame.attributes.set("displacement", std::move(displacement), 3);
       files.push_back(motion_frame_name(output, k));
-      if (use.used) use.used(k);
+      if (use.before_frame) use.before_frame(k);
       write_tets(files.back(), frame);
       progress.advance();
     }
@@ -82,7 +87,7 @@ std::vector<std::string> write_surfaces(const std::string& output, const Motion&
   progress.begin("writing meshes", motion.frames());
   for (std::size_t k = 0; k < motion.frames(); ++k) {
     files.push_back(motion_frame_name(output, k));
-    if (use.used) use.used(k);
+    if (use.before_frame) use.before_frame(k);
     write_mesh(files.back(), surface.at(motion, k), {.ascii = ascii});
     progress.advance();
   }
@@ -99,7 +104,7 @@ void write_pictures(const MotionFiles& m, const Motion& motion, const MotionUse&
     for (const std::string& o : m.outputs)
       if (io::ending(o) == "png") {
         files.push_back(motion_frame_name(o, k));
-        if (use.used) use.used(k);
+        if (use.before_frame) use.before_frame(k);
         write_image(files.back(), image);
       }
     if (animation) animation->add(image);
@@ -125,8 +130,10 @@ void MotionFiles::check_rate(double frame_time) const {
 
 std::vector<std::string> MotionFiles::names(std::size_t frames) const {
   std::vector<std::string> names{animation};
-  for (const std::string& o : outputs)
+  for (const std::string& o : outputs) {
     for (std::size_t k = 0; k < frames; ++k) names.push_back(motion_frame_name(o, k));
+    if (io::ending(o) == "vtu") names.push_back(collection_of(o));
+  }
   return names;
 }
 

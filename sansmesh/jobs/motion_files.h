@@ -18,22 +18,22 @@ struct MotionFiles {
   std::string animation = {};  ///< all pictures in one PNG
   bool ascii = false;          ///< meshes as text
 
-  /// Whether there are pictures.
+  /// True if there are pictures.
   bool draws() const;
   bool writes_tets() const;
   /// Throws FileError where one cannot be written.
   void check() const;
   /// Throws ArgumentError where an animation cannot be so fast or slow. `frame_time`: from frame to frame, s.
   void check_rate(double frame_time) const;
-  /// All that so many frames will have.
+  /// Names of all files of so many frames, that of the animation first; it may be empty.
   std::vector<std::string> names(std::size_t frames) const;
 };
 
 struct MotionUse {
-  double frame_time = 0;                                  ///< from frame to frame, s
-  MotionPictures* pictures = nullptr;                     ///< needed where there are some
-  std::function<Image(const Image&)> part = nullptr;      ///< of each picture that is written
-  std::function<void(std::size_t frame)> used = nullptr;  ///< called before a frame is written
+  double frame_time = 0;                                          ///< from frame to frame, s
+  MotionPictures* pictures = nullptr;                             ///< needed where there are some
+  std::function<Image(const Image&)> part = nullptr;              ///< of each picture that is written
+  std::function<void(std::size_t frame)> before_frame = nullptr;  ///< called before each is written
 };
 
 /// Writes all, and returns the names. Where a frame cannot be written, the .pvd is one of those before it. Throws

@@ -110,9 +110,9 @@ constexpr ReportRow kMeshInVolumeReportRows[] = {
     reported<&MeshInVolumeReport::area>({.text = "Area of the mesh", .unit = "length²"}),
     reported<&MeshInVolumeReport::volume>({.text = "Volume of the mesh, where it is closed", .unit = "length³"}),
     reported<[](const MeshInVolumeReport& r) { return r.mesh.components; }>(
-        {.name = "output.components", .text = "Connected parts of the mesh"}),
+        {.name = "components", .text = "Connected parts of the mesh"}),
     reported<[](const MeshInVolumeReport& r) { return r.volume.has_value(); }>(
-        {.name = "output.closed", .text = "Whether the mesh is closed"})};
+        {.name = "closed", .text = "Whether the mesh is closed"})};
 
 }  // namespace
 
