@@ -175,7 +175,7 @@ Deformed deform_volume(DeformArguments& a, const Deformation& deformation, Conso
   d.result = deform(subject, deformation, a.aim(), a.options, to_files(a, d, console), console.progress());
   console.tell(a.input.told(volume, console.progress()), "input");
   console.tell(subject, "output");
-  console.say(method_line(volume));
+  console.say(summary_of(volume, console.progress()));
   const DeformReport& r = d.result.report;
   if (!picture) d.lines = {lattice_words(r.size, r.inside.value_or(0))};
   return d;
