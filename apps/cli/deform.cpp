@@ -162,7 +162,9 @@ Command add_deform(CommandLine& app) {
   a.colors.add_options(c, volumes);
   add_schema(c, a.options.look, {.group = volumes, .only = {"clip", "shading"}});
   a.options.look.color_bar = true;
-  c.add_flag_callback("--no-bar", [&a] { a.options.look.color_bar = false; }, "Without the colour bar").group(volumes);
+  c.add_flag_callback(
+       "--no-bar", [&a] { a.options.look.color_bar = false; }, "Without the colour bar")
+      .group(volumes);
 
   add_schema(c, a.options, {.group = "Picture", .only = {"exact_deformation", "draw_handles", "draw_folds"}});
   add_background_option(c, a.picture);

@@ -145,6 +145,7 @@ struct SceneVertices {
 
 /// What a scene says; what it does not say is absent.
 struct SceneScript {
+  std::string file = {};                                                  ///< that it was read from
   std::optional<SoftBodyModel> model;                                     ///< of the body
   std::optional<DynamicsIntegrator> integrator;                           ///< of the motion
   std::optional<double> step, duration, frames_per_second;                ///< s, s, 1/s
