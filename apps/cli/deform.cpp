@@ -55,7 +55,7 @@ DeformKind check_deform(DeformArguments& a) {
   return kind;
 }
 
-DeformSubject read_subject(const DeformArguments& a, DeformKind kind, Console& console) {
+DeformSubject read_subject(const DeformArguments& a, DeformKind kind, std::string& method, Console& console) {
   if (kind == DeformKind::points) {
     const CloudInput cloud{a.input.files, {}, {}, {}};
     ReadReport read;
@@ -76,7 +76,7 @@ DeformSubject read_subject(const DeformArguments& a, DeformKind kind, Console& c
   console.note(volume.name(), notes);
   console.tell(a.input.told(volume, console.progress()), "input");
   console.tell(subject, "output");
-  console.say(method_line(volume));
+  method = method_line(volume);
   return subject;
 }
 
@@ -86,8 +86,9 @@ void run_deform(DeformArguments& a, Console& console) {
   const std::string name = a.input.name();
   const Deformation deformation = read_deformation(a.deformation, progress);
   a.options.validate(a.aim(), deformation);
-  const DeformSubject subject = read_subject(a, kind, console);
   std::vector<std::string> files;
+  std::string method;  ///< of volumes, in words
+  const DeformSubject subject = read_subject(a, kind, method, console);
   const UsePose write = [&](int pose, const DeformedPose& made) {
     files.push_back(a.options.frames ? frame_name(a.output, static_cast<std::size_t>(pose)) : a.output);
     progress.begin("write");
@@ -109,6 +110,7 @@ void run_deform(DeformArguments& a, Console& console) {
   console.tell(deformation, "deformation");
   console.tell(made.report, "output");
   console.tell_value("output.files", files);
+  if (!method.empty()) console.say(method);
   console.say(fmt::format("{}: {}", name, deformation.words()));
   for (const std::string& line : summary_of(made.report))
     console.say(fmt::format("{}: {}", files.size() == 1 ? files[0] : a.output, line));
