@@ -55,7 +55,8 @@ DeformKind check_deform(DeformArguments& a) {
   return kind;
 }
 
-DeformSubject read_subject(const DeformArguments& a, DeformKind kind, std::string& method, Console& console) {
+DeformSubject read_subject(const DeformArguments& a, DeformKind kind, std::vector<std::string>& said,
+                           Console& console) {
   if (kind == DeformKind::points) {
     const CloudInput cloud{a.input.files, {}, {}, {}};
     ReadReport read;
@@ -76,7 +77,7 @@ DeformSubject read_subject(const DeformArguments& a, DeformKind kind, std::strin
   console.note(volume.name(), notes);
   console.tell(a.input.told(volume, console.progress()), "input");
   console.tell(subject, "output");
-  method = method_line(volume);
+  said = summary_of(volume, console.progress());
   return subject;
 }
 
@@ -86,9 +87,8 @@ void run_deform(DeformArguments& a, Console& console) {
   const std::string name = a.input.name();
   const Deformation deformation = read_deformation(a.deformation, progress);
   a.options.validate(a.aim(), deformation);
-  std::vector<std::string> files;
-  std::string method;  ///< of volumes, in words
-  const DeformSubject subject = read_subject(a, kind, method, console);
+  std::vector<std::string> files, said;
+  const DeformSubject subject = read_subject(a, kind, said, console);
   const UsePose write = [&](int pose, const DeformedPose& made) {
     files.push_back(a.options.frames ? frame_name(a.output, static_cast<std::size_t>(pose)) : a.output);
     progress.begin("write");
@@ -110,7 +110,7 @@ void run_deform(DeformArguments& a, Console& console) {
   console.tell(deformation, "deformation");
   console.tell(made.report, "output");
   console.tell_value("output.files", files);
-  if (!method.empty()) console.say(method);
+  console.say(said);
   console.say(fmt::format("{}: {}", name, deformation.words()));
   for (const std::string& line : summary_of(made.report))
     console.say(fmt::format("{}: {}", files.size() == 1 ? files[0] : a.output, line));

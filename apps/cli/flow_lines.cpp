@@ -48,7 +48,6 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   const FlowModel flow = a.input.open(console);
   a.drawn.check_color(arrays_along_lines(flow, a.options));
   const TraceLinesResult made = trace_lines_of(flow, a.options, progress);
-  const FlowLineReport& r = made.report;
   std::optional<LinePicture> picture;
   if (!a.preview.empty()) picture = line_picture(made.lines, a.drawn, usual_color(a.options.lines), progress);
   progress.begin("write");
@@ -59,17 +58,11 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   console.tell(ToldFile{a.output}, "output");
   console.tell_value("output.lines", made.lines.size());
   console.tell_value("output.points", made.lines.positions.size());
-  console.tell(r);
+  console.tell(made.report);
   if (picture) console.tell(ToldFile{a.preview}, "preview"), console.tell(*picture, "preview");
 
-  console.say(fmt::format("{}: {} from {}", flow.name(), counted(made.lines.size(), "line"), counted(r.seeds, "seed")));
-  std::string ends;
-  for (std::size_t k = 0; k < r.ends.size(); ++k)
-    if (r.ends[k] > 0) ends += fmt::format("{}{} {}", ends.empty() ? "" : ", ", kTraceEndWords[k], grouped(r.ends[k]));
-  std::replace(ends.begin(), ends.end(), '_', ' ');
-  if (!ends.empty()) console.say("ended by " + ends);
-  console.say(fmt::format("{}: {}, the longest line {}", a.output, counted(made.lines.positions.size(), "point"),
-                          length(r.longest)));
+  console.say(flow.name() + ":");
+  console.say(summary_of(made));
   if (picture)
     console.say(fmt::format("{}: colours by {} over {:.6g} to {:.6g}, tubes of radius {}", a.preview, picture->color_by,
                             picture->lower, picture->upper, length(picture->radius)));

@@ -36,17 +36,16 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
   const FlowModel flow = a.input.open(console);
   check_colors(flow, a.options);
   PictureFiles files(a.picture, a.output, a.options.frames.has_value(), console);
-  const auto write = [&](std::size_t, const Image& image, const RenderOptions& made_with) {
-    files.write(image, made_with);
-  };
   const PictureContents contents(a.contents, a.options.picture, console.progress());
   console.note({}, contents.notes());
-  const FlowPicturesResult made = flow_pictures(flow, a.options, contents.surfaces(), write, console.progress());
+  const FlowPicturesResult made =
+      flow_pictures(flow, a.options, contents.surfaces(), files.writer(), console.progress());
   console.note(flow.source(), made.notes);
   console.tell(a.input.told(flow, console.progress()), "input");
   console.tell(files.written(), "output");
   console.tell(made);
-  say_flow_surface(made.surface, flow, console);
+  console.say(flow.name() + ":");
+  console.say(summary_of(made.surface));
   console.say(
       fmt::format("{}: {} × {} pixels", files.written().words(), files.written().width, files.written().height));
 }

@@ -30,7 +30,8 @@ void run_flow_surface(const FlowSurfaceArguments& a, Console& console) {
   console.tell(a.input.told(flow, console.progress()), "input");
   console.tell(made);
 
-  say_flow_surface(made.surface.report, flow, console);
+  console.say(flow.name() + ":");
+  console.say(summary_of(made.surface.report));
   console.say(fmt::format("{}: {}, {} vertices, area {:.6g}", a.mesh.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()), made.area));
 }

@@ -19,11 +19,4 @@ void add_flow_surface_input(CommandLine& c, FlowInput& input, TraceSurfaceOption
   add_schema(c, options, {.group = "Steps", .only = steps});
 }
 
-void say_flow_surface(const FlowSurfaceReport& r, const FlowModel& flow, Console& console) {
-  console.say(fmt::format("{}: {} on {}, {} apart at the seeds", flow.name(), counted(r.particles, "particle"),
-                          counted(r.fronts, "front"), length(r.spacing)));
-  console.say(fmt::format("{} put between others, {} left out, {}", grouped(r.inserted), grouped(r.removed),
-                          counted(r.tears, "tear")));
-}
-
 }  // namespace sansmesh::cli

@@ -9,6 +9,4 @@ namespace sansmesh::cli {
 /// DATA and the options of flows, --seeds, --kind, --direction, …
 void add_flow_surface_input(CommandLine& command, FlowInput& input, TraceSurfaceOptions& options);
 
-void say_flow_surface(const FlowSurfaceReport& report, const FlowModel& flow, Console& console);
-
 }  // namespace sansmesh::cli

@@ -62,11 +62,6 @@ void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
   add_wireframe_options(c, o.picture.options);
 }
 
-void add_bar_options(CommandLine& c, bool& no_bar, std::string& unit, const std::string& of) {
-  c.add_flag("--no-bar", no_bar, "Without the colour bar").group("Picture");
-  c.add_option("--unit", unit, "Of " + of + ", at the colour bar").type_name("UNIT").group("Picture");
-}
-
 void add_cloud_options(CommandLine& c, CloudUse& o) {
   add_schema(c, o, {.only = {"faces", "normals", "orient_by", "align"}});
 }

@@ -24,6 +24,10 @@ void PictureFiles::write(const Image& image, const RenderOptions& made_with) {
   written_.width = part.width, written_.height = part.height;
 }
 
+UsePicture PictureFiles::writer() {
+  return [this](std::size_t, const Image& image, const RenderOptions& made_with) { write(image, made_with); };
+}
+
 void add_background_option(CommandLine& c, PictureArguments& a) {
   add_schema(c, a.options, {.group = "Picture", .only = {"background"}});
 }

@@ -37,6 +37,8 @@ class PictureFiles {
       : arguments_(arguments), output_(std::move(output)), several_(several), console_(console) {}
   /// Writes the next picture, or the part of it that --crop asks for.
   void write(const Image& image, const RenderOptions& made_with);
+  /// The same, for jobs that hand pictures over.
+  UsePicture writer();
   const WrittenPictures& written() const { return written_; }
 
  private:

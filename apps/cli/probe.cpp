@@ -14,9 +14,6 @@
 namespace sansmesh::cli {
 namespace {
 
-/// So many points are printed as well.
-constexpr std::size_t kPrintedPoints = 20;
-
 struct ProbeArguments {
   std::string input, output;
   CloudInput points;  ///< without files: none
@@ -59,16 +56,9 @@ void run_probe(const ProbeArguments& a, Console& console) {
   console.tell(r);
   if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
 
-  console.say(fmt::format("{}: {} evaluated, {} inside", a.input, counted(r.points, "point"), grouped(r.inside)));
-  if (r.points > kPrintedPoints) {
-    console.say(fmt::format("|value|: mean {}, median {}, largest {}; largest gradient {:.3f}", length(r.mean),
-                            length(r.median), length(r.largest), r.largest_gradient));
-    return;
-  }
-  console.tell(made.values, "values");
-  for (const ProbedPlace& v : made.values)
-    console.say(fmt::format("({:.8g}, {:.8g}, {:.8g})  value {:.6g}  gradient {}  curvatures {:.4g}, {:.4g}", v.at.x,
-                            v.at.y, v.at.z, v.value, place_words(v.gradient), v.k1, v.k2));
+  console.say(a.input + ":");
+  console.say(summary_of(made));
+  if (r.points <= kListedPoints) console.tell(made.values, "values");
 }
 
 }  // namespace

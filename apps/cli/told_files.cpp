@@ -1,5 +1,7 @@
 #include "told_files.h"
 
+#include <fmt/core.h>
+
 #include <optional>
 #include <utility>
 
@@ -56,6 +58,8 @@ WrittenMesh::WrittenMesh(std::string file_name, const TriangleMesh& mesh)
       vertices(mesh.vertices.size()),
       triangles(mesh.triangles.size()),
       topology(measure_topology(mesh)) {}
+
+std::string WrittenPictures::size_line() const { return fmt::format("{}: {} × {} pixels", words(), width, height); }
 
 std::string WrittenPictures::words() const {
   return files.size() == 1 ? files[0] : files.front() + " to " + files.back();

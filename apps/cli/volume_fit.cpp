@@ -40,8 +40,7 @@ void run_volume_fit(const VolumeFitArguments& a, Console& console) {
   console.tell(ToldFile{a.output}, "output");
   console.tell_value("output.arrays", arrays);
 
-  console.say(method_line(volume));
-  console.say(samples_line(volume, console.progress()));
+  console.say(summary_of(volume, console.progress()));
   if (!r.by_degree.empty())
     console.say(fmt::format("polynomials of degree 0 to {}: {}", r.by_degree.size() - 1, fmt::join(r.by_degree, ", ")));
   console.note(volume.name(), made.notes);

@@ -42,21 +42,6 @@ void add_volume_array(CommandLine& c, VolumeInput& input) {
   add_schema(c, input.reconstruction, {.group = "Reconstruction", .only = {"method"}});
 }
 
-std::string method_line(const VolumeModel& volume) {
-  const ReconstructionReport& r = volume.report();
-  return fmt::format("{}: by {}{}", volume.array_name(), r.options.method.value(),
-                     r.why.empty() ? "" : ", since it is " + r.why);
-}
-
-std::string lattice_words(const std::array<std::size_t, 3>& size, double inside) {
-  return fmt::format("{} × {} × {} values, {:.1f} % in the volume", size[0], size[1], size[2], 100 * inside);
-}
-
-std::string samples_line(const VolumeModel& volume, Progress& progress) {
-  const auto samples = volume.samples(progress);
-  return fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid);
-}
-
 bool says_volume(std::vector<std::string>& files) {
   const bool said = files.size() > 1 && files[0] == "data";
   if (said) files.erase(files.begin());

@@ -34,7 +34,7 @@ void run_resample(const ResampleArguments& a, Console& console) {
   console.tell(a.input.told(volume, console.progress()), "input");
   console.tell(ToldFile{a.output}, "output");
   console.tell(made.report);
-  console.say(method_line(volume));
+  console.say(summary_of(volume, console.progress()));
   console.say(a.output + ": " + lattice_words(made.report.size, made.report.inside));
 }
 

@@ -87,6 +87,9 @@ struct SANSMESH_API ProbedPlace : LevelSetPoint {
   static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
+/// Of so many points results list each.
+inline constexpr std::size_t kListedPoints = 20;
+
 /// Values of a function at places.
 struct SANSMESH_API ProbeFunctionResult {
   /// A place each: about the distance to the surface, negative inside, and the level set through the place; in the unit
@@ -102,6 +105,9 @@ struct SANSMESH_API ProbeFunctionResult {
 /// Evaluates a function at places in the input's coordinates. Throws Cancelled.
 SANSMESH_API ProbeFunctionResult probe_function(const SurfaceFunction& function, std::span<const Vec3> places,
                                                 Progress& progress);
+
+/// The points inside and, of twenty at most, each with its values, else statistics; in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const ProbeFunctionResult& probed);
 
 /// Positions of points in coordinates of the input: origin + position.
 SANSMESH_API std::vector<Vec3> places_of(const PointSet& points);

@@ -143,6 +143,10 @@ struct SANSMESH_API SurfaceInVolume {
 SANSMESH_API SurfaceInVolume surface_in_volume(const VolumeModel& volume, const SurfaceInVolumeOptions& options,
                                                Progress& progress);
 
+/// Value, samples and weights, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const SurfaceInVolume& surface, const VolumeModel& volume,
+                                                 Progress& progress);
+
 /// Its mesh.
 struct SANSMESH_API MeshInVolumeOptions {
   std::optional<double> mesh_error = {};      ///< as in MeshOptions

@@ -14,6 +14,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
+#include "sansmesh/points.h"
 #include "sansmesh/polyline_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render_options.h"
@@ -154,11 +155,15 @@ SANSMESH_API LinePicture line_picture(const PolylineSet& lines, const LinePictur
 /// Picture of a surface that was moved onto another one: the moved surface in orange, the fixed one in gray.
 SANSMESH_API Image draw_alignment(const AlignResult& aligned, RenderOptions picture, Progress& progress);
 
-/// Outcome of draw_map().
+/// A picture with a scale or bar beside it.
 struct MapPicture {
-  Image image;              ///< with its scale
-  RenderOptions made_with;  ///< what the map was drawn with
+  Image image;              ///< with the scale
+  RenderOptions made_with;  ///< what was drawn beside it
 };
+
+/// Picture of curvatures, with the bar if the options ask for one.
+SANSMESH_API MapPicture draw_curvature(const CurvatureResult& made, const CurvatureMapOptions& options,
+                                       const RenderOptions& picture, Progress& progress);
 
 /// Throws ArgumentError where a picture is too narrow for itself and any scale, whose `unit` is that of lengths.
 SANSMESH_API void check_map_picture(const RenderOptions& picture, const std::string& unit);

@@ -107,6 +107,8 @@ struct SANSMESH_API CurvatureMapOptions {
   /// sample in twenty.
   std::optional<double> color_range = {};
   CurvatureOptions estimation = {};  ///< its noise is estimated where it is not given
+  bool bar = true;                   ///< in pictures: a colour bar
+  std::string unit = {};             ///< of lengths, at the bar
 
   static const OptionSchema& schema();  ///< a row a field
   /// Throws ArgumentError naming the field.
@@ -142,6 +144,9 @@ struct CurvatureResult {
 /// Curvatures at samples, or at the vertices of a mesh: per length of the input, positive where the surface is convex.
 /// Throws ArgumentError for bad options, DataError where the points cannot be used (too few, no extent), Cancelled.
 SANSMESH_API CurvatureResult curvature(PointSet points, const CurvatureMapOptions& options, Progress& progress);
+
+/// Samples, and quantiles of the quantity that is shown, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const CurvatureResult& made);
 
 /// Onto which surface points move, or how many new ones are made.
 struct SANSMESH_API ProjectOptions {

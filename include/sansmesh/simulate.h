@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sansmesh/api.h"
-#include "sansmesh/error.h"
 #include "sansmesh/image.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
@@ -71,12 +70,6 @@ struct SANSMESH_API SimulateOptions {
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the option.
   void validate() const;
-};
-
-/// What the scene says, or nobody does, cannot be simulated.
-class SANSMESH_API SceneError : public ArgumentError {
- public:
-  explicit SceneError(const std::string& message) : ArgumentError(message) {}  ///< one line
 };
 
 /// What a body is made of, what acts on it, and in which steps it will move.

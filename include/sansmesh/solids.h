@@ -64,4 +64,7 @@ struct CsgResult {
 /// there is no surface; Cancelled.
 SANSMESH_API CsgResult mesh_of_solid(const SolidModel& solid, const CsgMeshOptions& options, Progress& progress);
 
+/// Size and cells, and how large and near the mesh is; in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const CsgMeshReport& report);
+
 }  // namespace sansmesh::inline v1

@@ -151,6 +151,9 @@ struct SANSMESH_API VolumeUse {
 /// Array, method and samples that were used of a volume so far.
 SANSMESH_API VolumeUse volume_use(const VolumeModel& volume, Progress& progress);
 
+/// The method of reconstruction with its reason, and the samples, in a line for people each.
+SANSMESH_API std::vector<std::string> summary_of(const VolumeModel& volume, Progress& progress);
+
 /// A volume that changes in time: its steps, all open at once.
 struct SANSMESH_API VolumeSeries {
   std::vector<VolumeModel> steps;  ///< two at least; array and method of all are those of the first
@@ -207,6 +210,9 @@ struct SANSMESH_API ProbedValue {
 /// A point after the other, and of each its components.
 SANSMESH_API std::vector<ProbedValue> probed_values(const ProbeResult& probed);
 
+/// The points in the volume and, of twenty at most, each with its values; in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const ProbeResult& probed);
+
 /// A row a point: x,y,z,NAME,NAME_dx,NAME_dy,NAME_dz,inside.
 SANSMESH_API std::string probe_table(const ProbeResult& probed);
 
@@ -218,6 +224,9 @@ struct SANSMESH_API ResampleReport {
 
   static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
+
+/// "128 × 64 × 64 values, 93.1 % in the volume".
+SANSMESH_API std::string lattice_words(const std::array<std::size_t, 3>& size, double inside);
 
 /// A volume on a uniform grid.
 struct ResampleResult {

@@ -106,9 +106,8 @@ constexpr ReportRow kDeformReportRows[] = {
         {.name = "evaluations", .text = "Evaluations for these"})};
 
 std::string size_line(const DeformReport& r) {
-  const std::string size = fmt::format("{} × {} × {}", r.size[0], r.size[1], r.size[2]);
-  if (!r.inside) return size + " displacements";
-  return fmt::format("{} values, {:.1f} % in the volume", size, 100 * *r.inside);
+  if (r.inside) return lattice_words(r.size, *r.inside);
+  return fmt::format("{} × {} × {} displacements", r.size[0], r.size[1], r.size[2]);
 }
 
 std::string count_line(const DeformReport& r) {

@@ -6,7 +6,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/simulate.h"
+#include "sansmesh/simulate_options.h"
 
 namespace sansmesh::inline v1 {
 
