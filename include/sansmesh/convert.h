@@ -231,10 +231,18 @@ SANSMESH_API void check_converted(const std::string& file, bool points);
 /// FileError.
 SANSMESH_API std::vector<Note> fit_to_format(CloudOrMesh& data, const std::string& file);
 
+/// What of it the format of the file has no room for: "normals", names of attributes.
+SANSMESH_API std::vector<std::string> left_out(const std::string& file, const CloudOrMesh& data);
+/// Writes a cloud or a mesh that fits; `ascii`: as text where the format has both. Throws FileError.
+SANSMESH_API void write_converted(const std::string& file, const CloudOrMesh& data, bool ascii = false);
+
 /// Takes what a file held through all steps, in their order. Throws ArgumentError for bad options, DataError naming the
 /// step where one cannot be done or leaves nothing,
 /// Cancelled.
 SANSMESH_API ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& progress);
+
+/// What came, and what became of it in each step, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const ConvertReport& report);
 
 /// What counts as connected, and which parts are kept.
 struct SANSMESH_API SplitOptions {
@@ -263,5 +271,8 @@ struct SANSMESH_API SplitResult {
 /// Takes a cloud or mesh apart into its connected parts. Throws ArgumentError for bad options, DataError where none is
 /// large enough or there are too many, Cancelled.
 SANSMESH_API SplitResult split(const CloudOrMesh& data, const SplitOptions& options, Progress& progress);
+
+/// How many parts there are, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const SplitResult& made);
 
 }  // namespace sansmesh::inline v1

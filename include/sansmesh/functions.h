@@ -166,6 +166,9 @@ struct SANSMESH_API DiagnoseResult {
 SANSMESH_API DiagnoseResult diagnose(const SurfaceFunction& function, const DiagnoseOptions& options,
                                      Progress& progress);
 
+/// The places, kind by kind, in lines for people; `steps`: with the number of the edit that may mend each.
+SANSMESH_API std::vector<std::string> summary_of(const DiagnoseResult& made, bool steps);
+
 /// Facts of a function. Lengths and places in the unit of the input.
 struct SANSMESH_API FunctionInfo {
   std::size_t fits = 0;           ///< local approximations

@@ -97,6 +97,9 @@ struct NormalsResult {
 /// is known of what `orient_by` asks for; Cancelled.
 SANSMESH_API NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& progress);
 
+/// What the samples are like, and where the normals come from, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const NormalsResult& made);
+
 /// What is measured, and what the colours show.
 struct SANSMESH_API CurvatureMapOptions {
   CurvatureQuantity color_by = CurvatureQuantity::mean;  ///< what the colours show

@@ -103,9 +103,13 @@ struct SimplifyResult {
 /// stay; colours and attributes of vertices that merge are averaged. Throws ArgumentError for bad options, Cancelled.
 SANSMESH_API SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progress& progress);
 
-/// How far vertices moved, and what that did to area and volume, in lines for people.
+/// How far vertices moved, in how many rounds, and what that did to area and volume, in lines for people.
 SANSMESH_API std::vector<std::string> summary_of(const SmoothReport& report);
-/// A line for each hole, `most` of them, the largest first.
+/// How many holes there are, and a line for each, `most` of them, the largest first.
 SANSMESH_API std::vector<std::string> summary_of(const HoleLoops& holes, std::size_t most);
+/// The same, and what became of them.
+SANSMESH_API std::vector<std::string> summary_of(const FillResult& made, std::size_t most);
+/// How many triangles there were and are, and how far off these are, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const SimplifyResult& made);
 
 }  // namespace sansmesh::inline v1

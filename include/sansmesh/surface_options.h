@@ -238,4 +238,7 @@ struct SANSMESH_API SurfaceReport {
   static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
+/// What the samples are like, and how wide the weights are, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const SurfaceReport& report);
+
 }  // namespace sansmesh::inline v1

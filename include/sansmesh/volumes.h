@@ -311,6 +311,7 @@ SANSMESH_API std::vector<std::string> summary_of(const VolumeInfo& info);
 
 /// Advice on a volume: what can be made of it, by which method and with which arrays.
 struct SANSMESH_API VolumeAdvice {
+  VolumeFacts facts;  ///< on the grid
   VolumeOffer offer;  ///< what there is, with traits of the array and the method that suits it
   std::vector<VolumeRecommendation> recommendations;  ///< the first choice first
   std::string array;  ///< that surfaces and pictures are of: of vectors the magnitude; empty of bare grids
@@ -324,5 +325,8 @@ struct SANSMESH_API VolumeAdvice {
 
 /// Throws DataError where there is neither an array nor a body, Cancelled.
 SANSMESH_API VolumeAdvice advise(const VolumeModel& volume, Progress& progress);
+
+/// What the volume is like, and the method that suits it, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const VolumeAdvice& advice);
 
 }  // namespace sansmesh::inline v1

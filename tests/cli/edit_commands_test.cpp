@@ -84,7 +84,8 @@ TEST_F(EditCommands, TheBundledScanAndItsMesh) {
   const Json anew =
       json_of({"edit", "owl.smf", "--script", "edits.json", "--mesh", "other.ply", "--mesh-output", "x.ply"});
   EXPECT_FALSE(anew["update"]["local"]);
-  EXPECT_NE(anew["update"]["why"].get<std::string>().find("without options"), std::string::npos) << anew["update"]["why"];
+  EXPECT_NE(anew["update"]["why"].get<std::string>().find("without options"), std::string::npos)
+      << anew["update"]["why"];
   const Outcome said =
       run({"edit", "owl.smf", "--script", "edits.json", "--mesh", "other.ply", "--mesh-output", "x.ply"});
   EXPECT_NE(said.out.find("all made anew: of the triangles"), std::string::npos) << said.out;
