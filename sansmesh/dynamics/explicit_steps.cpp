@@ -122,6 +122,6 @@ constexpr BodyIntegrator kExplicit[] = {
 
 }  // namespace
 
-std::span<const BodyIntegrator> explicit_steps_methods() { return kExplicit; }
+std::span<const BodyIntegrator> explicit_steps_integrators() { return kExplicit; }
 
 }  // namespace sansmesh::inline v1

@@ -261,6 +261,6 @@ constexpr BodyIntegrator kImplicit[] = {
 
 }  // namespace
 
-std::span<const BodyIntegrator> implicit_step_methods() { return kImplicit; }
+std::span<const BodyIntegrator> implicit_step_integrators() { return kImplicit; }
 
 }  // namespace sansmesh::inline v1

@@ -54,6 +54,6 @@ constexpr FlowIntegrator kDormandPrince[] = {{.name = "dopri5",
 
 }  // namespace
 
-std::span<const FlowIntegrator> dormand_prince_methods() { return kDormandPrince; }
+std::span<const FlowIntegrator> dormand_prince_integrators() { return kDormandPrince; }
 
 }  // namespace sansmesh::inline v1

@@ -25,6 +25,6 @@ constexpr FlowIntegrator kRungeKutta[] = {
 
 }  // namespace
 
-std::span<const FlowIntegrator> runge_kutta_methods() { return kRungeKutta; }
+std::span<const FlowIntegrator> runge_kutta_integrators() { return kRungeKutta; }
 
 }  // namespace sansmesh::inline v1
