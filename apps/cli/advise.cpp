@@ -36,7 +36,7 @@ constexpr ReportSchema kToldAdviceSchema{kToldAdvice};
 const ReportSchema& ToldAdvice::schema() { return kToldAdviceSchema; }
 
 /// For each aim, in the order of the enumerators.
-constexpr const char* kCommands[] = {
+constexpr const char* kCloudCommands[] = {
     "reconstruct {} -o surface.ply", "render {} -o picture.png", "curvature {} -o curved.ply --preview curved.png",
     "project {} -o smooth.ply",      "fit {} -o function.smf",   "deform {} --handles handles.json -o deformed.ply"};
 
@@ -46,7 +46,7 @@ std::string command_of(const Recommendation& r, const CloudInput& of) {
   std::string input = shell_words(of.files);
   if (!of.with.empty()) input += " --class " + shell_words({of.with});
   if (!of.without.empty()) input += " --without-class " + shell_words({of.without});
-  std::string command = "sansmesh " + fmt::format(fmt::runtime(kCommands[static_cast<std::size_t>(r.aim)]), input);
+  std::string command = "sansmesh " + fmt::format(fmt::runtime(kCloudCommands[static_cast<std::size_t>(r.aim)]), input);
   if (r.aim == Aim::picture || (r.aim == Aim::mesh && r.surface != kPartitionSurface))
     command += " --surface " + r.surface;
   if (r.aim == Aim::points) command += " --method " + r.surface;

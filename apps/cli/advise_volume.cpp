@@ -38,16 +38,16 @@ std::string read_words(const VolumeReadOptions& read) {
 }
 
 /// For each aim, in the order of the enumerators.
-constexpr const char* kCommands[] = {"volume probe {files}{array} --points where.csv -o values.csv",
-                                     "volume resample {files}{array} -o resampled.vti",
-                                     "volume {surface} {files}{array} --value {value:.4g} -o surface.ply",
-                                     "volume surface {files}{array} --high-gradient -o border.ply",
-                                     "volume render {files}{array} -o picture.png",
-                                     "flow lines {files}{flow} -o lines.vtp --preview lines.png",
-                                     "flow surface {files}{flow}{seeds} -o flow.ply",
-                                     "flow render {files}{flow}{seeds} -o flow.png",
-                                     "deform {files}{array} --handles handles.json -o deformed.png",
-                                     "simulate {files} --animation moved.png"};
+constexpr const char* kVolumeCommands[] = {"volume probe {files}{array} --points where.csv -o values.csv",
+                                           "volume resample {files}{array} -o resampled.vti",
+                                           "volume {surface} {files}{array} --value {value:.4g} -o surface.ply",
+                                           "volume surface {files}{array} --high-gradient -o border.ply",
+                                           "volume render {files}{array} -o picture.png",
+                                           "flow lines {files}{flow} -o lines.vtp --preview lines.png",
+                                           "flow surface {files}{flow}{seeds} -o flow.ply",
+                                           "flow render {files}{flow}{seeds} -o flow.png",
+                                           "deform {files}{array} --handles handles.json -o deformed.png",
+                                           "simulate {files} --animation moved.png"};
 
 /// The command that makes what is recommended; `files` with all that has to be said of them again.
 std::string volume_command(const VolumeRecommendation& r, const VolumeAdvice& advice, const std::string& files,
@@ -64,7 +64,7 @@ std::string volume_command(const VolumeRecommendation& r, const VolumeAdvice& ad
   }
   if (!series) seeds += " --direction both";
   return "sansmesh " +
-         fmt::format(fmt::runtime(kCommands[static_cast<std::size_t>(r.aim)]), fmt::arg("files", files),
+         fmt::format(fmt::runtime(kVolumeCommands[static_cast<std::size_t>(r.aim)]), fmt::arg("files", files),
                      fmt::arg("array", advice.array.empty() ? "" : " --array " + shell_words({advice.array})),
                      fmt::arg("surface", r.by_samples ? "surface" : "isosurface"), fmt::arg("value", advice.value),
                      fmt::arg("flow", flow), fmt::arg("seeds", seeds));

@@ -263,6 +263,33 @@ TEST(DeformJob, FoldsAreNotedWithTheRemedy) {
   EXPECT_TRUE(has_note(points.notes, "folded"));
 }
 
+TEST(DeformJob, TakesThingsOfAnyKind) {
+  EXPECT_EQ(deform_kind({"box(2) - sphere(1)"}), DeformKind::solid);
+  EXPECT_EQ(deform_kind({"data.vtu[t=3]"}), DeformKind::solid);
+  EXPECT_EQ(deform_kind({"a.mhd", "b.mhd"}), DeformKind::volume);
+  EXPECT_EQ(deform_kind({"a.ply", "b.mhd"}), DeformKind::points);
+  EXPECT_THROW(deform_kind({"none.ply"}), FileError);
+  EXPECT_EQ(deform_aim("a.png"), DeformAim::picture);
+  EXPECT_EQ(deform_aim("a.svg"), DeformAim::sections);
+  EXPECT_THROW(check_deformed("a.obj", DeformKind::volume), FileError);
+  EXPECT_THROW(check_deformed("a.vti", DeformKind::solid), FileError);
+  Progress progress;
+  const Deformation moved = moved_by({3, 0, 0});
+  const DeformSubject points = as_points(octasphere(2)), solid = ball(1);
+  EXPECT_NEAR(bounds_of(points).upper.x, 1, 1e-6);
+  EXPECT_NEAR(bounds_of(solid).upper.x, 1, 1e-6);
+  const DeformReport mesh = deform(points, "m", moved, DeformAim::shape, {}, kIgnore, progress).report;
+  EXPECT_EQ(summary_of(mesh).size(), 1u);
+  const DeformReport cut = deform(solid, "", moved, DeformAim::sections, {}, kIgnore, progress).report;
+  EXPECT_EQ(summary_of(cut).size(), 3u);
+}
+
+TEST(DeformJob, MapsHaveNoPosesAndNoCuts) {
+  const Deformation map(moved_by({1, 0, 0}).at(1).backward);
+  for (const DeformOptions& options : {DeformOptions{.frames = 3}, DeformOptions{.cut_open = true}})
+    EXPECT_NE(refused([&] { options.validate(DeformAim::shape, map); }).find("needs"), std::string::npos);
+}
+
 TEST(DeformJob, RefusesWhatMeansNothing) {
   Progress progress;
   const Deformation d = moved_by({1, 0, 0});

@@ -43,6 +43,9 @@ TEST(FillJob, ListsWhatItFills) {
   EXPECT_EQ(made.triangles, ball.triangles.size());
   EXPECT_TRUE(measure_topology(made.mesh).closed());
   EXPECT_TRUE(made.notes.empty());
+  EXPECT_EQ(summary_of(made, 0)[0], "1 hole with 4 border edges");
+  EXPECT_EQ(summary_of(made, 0)[1], "and 1 smaller ones");
+  EXPECT_EQ(summary_of(made, 1).size(), 4u);
 }
 
 TEST(FillJob, JoinsVerticesAtOnePlaceBefore) {

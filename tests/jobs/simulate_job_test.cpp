@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/dataset/tet_dataset.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
 #include "sansmesh/simulate.h"
@@ -57,6 +58,15 @@ TEST(SimulationPlan, TellsErrorsOfTheSceneFromThoseOfOptions) {
     EXPECT_NE(std::string(error.what()).find("`duration`"), std::string::npos);
   }
   EXPECT_THROW(plan_simulation(small_bar(), {}, {.poisson = 0.7}), ArgumentError);
+  const SimulationBody body{std::make_shared<const TetDataset>(TetDataset{small_bar(), {}, {}, {}}), "bar.msh"};
+  blink.file = "blink.json";
+  try {
+    plan_simulation(body, blink, {});
+    FAIL();
+  } catch (const FileError& error) {
+    EXPECT_EQ(error.file(), "blink.json");
+  }
+  EXPECT_EQ(plan_simulation(body, {}, {}).body_file, "bar.msh");
 }
 
 TEST(SimulationPlan, TakesMaterialsOfCellsAndSaysWhatItGuesses) {
