@@ -45,7 +45,7 @@ void run(int size, int frames) {
   picture.quality.samples = 1;
   picture.quality.occlusion_rays = 0;
   picture.view.up = UpAxis::z;
-  picture.look.background = PictureLook::Background::solid;
+  picture.look.background = Background::solid({1, 1, 1});
   fmt::print("{} triangles, {} x {} pixels, {} threads\n", surface.mesh.triangles.size(), size, size, thread_count());
   for (const bool splats : {false, true})
     for (const bool streaks : {false, true}) {

@@ -14,7 +14,6 @@
 #include "flags.h"
 #include "option_groups.h"
 #include "sansmesh/io.h"
-#include "sansmesh/points/noise.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -36,34 +35,21 @@ constexpr ReportRow kToldAdvice[] = {
 constexpr ReportSchema kToldAdviceSchema{kToldAdvice};
 const ReportSchema& ToldAdvice::schema() { return kToldAdviceSchema; }
 
+/// For each aim, in the order of the enumerators.
+constexpr const char* kCommands[] = {
+    "reconstruct {} -o surface.ply", "render {} -o picture.png", "curvature {} -o curved.ply --preview curved.png",
+    "project {} -o smooth.ply",      "fit {} -o function.smf",   "deform {} --handles handles.json -o deformed.ply"};
+
 /// The command that does what is recommended.
 std::string command_of(const Recommendation& r, const CloudInput& of) {
   using Aim = Recommendation::Aim;
-  const std::string& name = r.surface;
-  std::string input;
-  for (const std::string& file : of.files) input += (input.empty() ? "" : " ") + shell_word(file);
-  if (!of.with.empty()) input += " --class " + shell_word(of.with);
-  if (!of.without.empty()) input += " --without-class " + shell_word(of.without);
-  std::string command;
-  switch (r.aim) {
-    case Aim::mesh:
-      command = "sansmesh reconstruct " + input + " -o surface.ply";
-      if (r.surface != kPartitionSurface) command += " --surface " + name;
-      break;
-    case Aim::picture:
-      command = "sansmesh render " + input + " -o picture.png --surface " + name;
-      break;
-    case Aim::curvature:
-      return "sansmesh curvature " + input + " -o curved.ply --preview curved.png";
-    case Aim::points:
-      command = "sansmesh project " + input + " -o smooth.ply --method " + name;
-      break;
-    case Aim::solid:
-      command = "sansmesh fit " + input + " -o function.smf";
-      break;
-    case Aim::deformation:
-      return "sansmesh deform " + input + " --handles handles.json -o deformed.ply";
-  }
+  std::string input = shell_words(of.files);
+  if (!of.with.empty()) input += " --class " + shell_words({of.with});
+  if (!of.without.empty()) input += " --without-class " + shell_words({of.without});
+  std::string command = "sansmesh " + fmt::format(fmt::runtime(kCommands[static_cast<std::size_t>(r.aim)]), input);
+  if (r.aim == Aim::picture || (r.aim == Aim::mesh && r.surface != kPartitionSurface))
+    command += " --surface " + r.surface;
+  if (r.aim == Aim::points) command += " --method " + r.surface;
   if (r.sharp) command += " --sharp";
   if (r.remove_outliers) command += " --remove-outliers";
   return command;
@@ -82,11 +68,8 @@ void run_advise(const CloudInput& input, const CommandLine& recommended, Console
     told.push_back({r, {command_of(r, input)}, in_flags(r.why, recommended)});
   console.tell(told, "recommendations");
 
-  const CloudTraits& t = advice.traits;
-  console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", input.name(), counted(t.samples, "sample"),
-                          length(t.spacing), noise_words({t.noise, t.most_noise, t.noise_known, t.step}, t.spacing),
-                          read.format));
-  for (const std::string& finding : advice.findings) console.say("  " + finding);
+  console.say(fmt::format("{}: {}", input.name(), read.format));
+  console.say(summary_of(advice));
   for (const ToldAdvice& one : told) {
     console.say(aim_word(one.advice.aim), one.why, 10);
     console.say("  $ " + one.commands[0]);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "console.h"
 #include "sansmesh/volumes.h"
@@ -16,8 +17,8 @@ struct ToldCommand {
   static const ReportSchema& schema();
 };
 
-/// A file's name as a shell takes it for one word.
-std::string shell_word(const std::string& name);
+/// Names of files as a shell takes them for one word each.
+std::string shell_words(const std::vector<std::string>& names);
 
 /// What suits a volume, and the commands.
 void run_volume_advise(const VolumeInput& input, Console& console);

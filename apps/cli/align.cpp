@@ -3,6 +3,7 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/io/transform_file.h"
 #include "sansmesh/jobs/cloud_or_mesh.h"
 #include "sansmesh/pictures.h"
@@ -54,7 +56,7 @@ void run_align(const AlignArguments& a, Console& console) {
   } else if (!output.empty()) {
     warn_of_losses(moving_file, moving.read, output, made.moved, console);
     write_mesh(output, made.moved, {.ascii = a.output.ascii});
-    console.tell(WrittenMesh(output, made.moved), "output");
+    tell_mesh(output, made.moved, console);
   }
   if (!a.transform_output.empty()) write_transform(a.transform_output, made.motion);
   console.tell(moving.told, "moving");
@@ -68,7 +70,7 @@ void run_align(const AlignArguments& a, Console& console) {
   console.say(summary_of(made.report));
   if (output.empty() && a.transform_output.empty())
     for (std::size_t row = 0; row < 3; ++row) {
-      const auto& m = made.motion.rows()[row];
+      const std::array<double, 4> m = made.motion.rows()[row];
       console.say(fmt::format("{:>22} {:>22} {:>22} {:>22}", m[0], m[1], m[2], m[3]));
     }
   for (const std::string& file : {output, a.transform_output, a.output.preview})
@@ -82,18 +84,18 @@ Command add_align(CommandLine& app) {
   auto a = std::make_shared<AlignArguments>();
   a->moving.files.resize(1);
   c.add_option("moving", a->moving.files[0], "What moves: mesh, points, or function (.smf)")
-      .type_name("FILE")
+      .reads(endings_read(kPoints | kFunction))
       .required();
   c.add_option("fixed", a->fixed.files, "What it moves onto: mesh, points, or function; several files are read as one")
-      .type_name("FILE")
+      .reads(endings_read(kPoints | kFunction))
       .required();
   add_class_options(c, a->fixed, " of what it moves onto");
   c.add_option("-o,--output", a->output.file, "What has moved, with all its attributes: formats of meshes or of points")
-      .type_name("FILE");
+      .writes(endings_written(kMesh | kPoints));
   c.add_option("--transform-output", a->transform_output, "The motion as 4 rows of 4 numbers (.json: as JSON)")
-      .type_name("FILE");
+      .writes({".txt", ".json"});
   add_schema(c, a->options, {.group = "Alignment"});
-  c.add_option("--start-transform", a->start, "First move it by this: 4 rows of 4 numbers").type_name("FILE");
+  c.add_option("--start-transform", a->start, "First move it by this: 4 rows of 4 numbers").reads();
   add_preview_option(c, a->output.preview, "both, what has moved in orange,");
   add_ascii_flag(c, a->output.ascii);
   add_picture_options(c, a->output.picture);

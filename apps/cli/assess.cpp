@@ -7,6 +7,7 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 #include "schema_options.h"
 #include "told_files.h"
 
@@ -50,9 +51,9 @@ Command add_assess(CommandLine& app) {
   c.once_called("evaluate");
   auto shared = std::make_shared<AssessArguments>();
   AssessArguments& a = *shared;
-  c.add_option("mesh", a.surface, "Mesh or points").type_name("FILE").required();
+  c.add_option("mesh", a.surface, "Mesh or points").reads(endings_read(kPoints)).required();
   c.add_option("reference", a.reference.files, "Mesh or points to compare with; several (tiles) are read as one")
-      .type_name("FILE");
+      .reads(endings_read(kPoints));
   add_class_options(c, a.reference, " of the reference");
   add_schema(c, a.options);
   c.footer(

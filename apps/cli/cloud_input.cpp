@@ -68,9 +68,8 @@ PointSet CloudInput::read(Console& console, ReadReport& report) const {
 
 void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what, bool as_one) {
   c.add_option("input", input.files, what + (as_one ? "; several (tiles) are read as one" : ""))
-      .type_name("FILE")
-      .required()
-      .endings(endings_read(kPoints | kFunction));
+      .reads(endings_read(kPoints | kFunction))
+      .required();
   add_class_options(c, input);
 }
 

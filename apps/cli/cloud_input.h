@@ -30,7 +30,7 @@ struct CloudInput {
   ReadCloud told(const ReadReport& read, std::size_t points) const { return {{files}, read.format, points}; }
   /// Whether it is a function file and not a cloud. Throws ArgumentError where points of it were to be chosen.
   bool is_function() const;
-  /// All as one cloud, which is a stage of the progress, and of it the points of the classes that were asked for.
+  /// Reads all as one cloud, as a stage of the progress, and keeps the points of the classes that were asked for.
   /// Warnings go to the console. Throws FileError.
   PointSet read(Console& console, ReadReport& report) const;
 };

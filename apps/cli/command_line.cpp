@@ -66,18 +66,6 @@ struct Read<std::vector<T>> : Variable<T> {
 
 }  // namespace
 
-std::vector<std::string> OptionEntry::file_endings() const {
-  if (!endings.empty()) return endings;
-  std::vector<std::string> found;
-  for (std::size_t at = what.find('.'); at != std::string::npos; at = what.find('.', at + 1)) {
-    if (at == 0 || (what[at - 1] != ' ' && what[at - 1] != '(' && what[at - 1] != '/')) continue;
-    std::size_t end = at + 1;
-    while (end < what.size() && (std::isalnum(static_cast<unsigned char>(what[end])))) ++end;
-    if (end > at + 1) found.push_back(what.substr(at, end - at));
-  }
-  return found;
-}
-
 Option Option::type_name(const std::string& name) const {
   entry_->value_name = name;
   return *this;
@@ -117,8 +105,15 @@ Option Option::once_called(const std::string& name) const {
   entry_->old_names.push_back(name);
   return *this;
 }
-Option Option::endings(const std::vector<std::string>& endings) const {
-  entry_->endings = endings;
+Option Option::reads(const std::vector<std::string>& endings) const {
+  return names_file(OptionEntry::File::read, endings);
+}
+Option Option::writes(const std::vector<std::string>& endings) const {
+  return names_file(OptionEntry::File::written, endings);
+}
+Option Option::names_file(OptionEntry::File file, const std::vector<std::string>& endings) const {
+  entry_->file = file, entry_->endings = endings;
+  if (entry_->value_name == OptionEntry().value_name) entry_->value_name = "FILE";
   return *this;
 }
 

@@ -18,7 +18,7 @@ class Option {
  public:
   explicit Option(OptionEntry& entry) : entry_(&entry) {}
 
-  /// What help calls its value. FILE and DATA are completed with names of files.
+  /// What help calls its value.
   Option type_name(const std::string& name) const;
   /// Heading in the help.
   Option group(const std::string& name) const;
@@ -35,10 +35,14 @@ class Option {
   Option repeated() const;
   /// A name that it had: understood, and warned of.
   Option once_called(const std::string& name) const;
-  /// Endings of the files that fit, for completion, where the description does not name them: {".ply", ".obj"}.
-  Option endings(const std::vector<std::string>& endings) const;
+  /// It names a file that is read, with one of these endings ({".ply", ".obj"}), or any if there are none.
+  Option reads(const std::vector<std::string>& endings = {}) const;
+  /// The same of a file that is written.
+  Option writes(const std::vector<std::string>& endings = {}) const;
 
  private:
+  Option names_file(OptionEntry::File file, const std::vector<std::string>& endings) const;
+
   OptionEntry* entry_;
 };
 

@@ -12,6 +12,7 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 #include "schema_options.h"
 #include "surface_input.h"
 
@@ -87,16 +88,16 @@ Command add_compare(CommandLine& app) {
   auto a = std::make_shared<CompareArguments>();
   a->part.files.resize(1);
   c.add_option("part", a->part.files[0], "What was made: mesh, points, or function (.smf)")
-      .type_name("FILE")
+      .reads(endings_read(kPoints | kFunction))
       .required();
   c.add_option("reference", a->reference.files,
                "What it should be: mesh, points, or function (.smf); several files are read as one")
-      .type_name("FILE")
+      .reads(endings_read(kPoints | kFunction))
       .required();
   add_class_options(c, a->reference, " of the reference");
   c.add_option("-o,--output", a->output,
                "The map to write, distance as quality and as colours: .ply .vtp .glb (others: colours)")
-      .type_name("FILE");
+      .writes({".ply", ".vtp", ".glb"});
   add_preview_option(c, a->preview, "the map, with a scale in its --width,");
   const std::vector<std::string_view> of_alignment = {"align", "from", "find_scale", "align_samples",
                                                       "align_iterations"};

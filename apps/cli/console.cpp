@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <exception>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -24,9 +25,16 @@ constexpr double kBarDelay = 0.3;  // seconds of work before a bar is worth draw
 
 }  // namespace
 
+/// What was told until now, for programs.
+struct Console::Results {
+  Json told, messages = Json::array();
+  Json files = Json::array();  ///< of several files, one after the other
+};
+
 Console::Console(const ConsoleOptions& options, const CommandLine& command)
     : options_(options),
       command_(command),
+      results_(std::make_unique<Results>()),
       started_(now()),
       progress_([this](const std::string& stage, double fraction) { draw(stage, fraction); }),
       interruptible_(progress_),
@@ -84,9 +92,12 @@ void Console::say(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) say(in_flags(line));
 }
 
-void Console::say(const std::string& title, const std::string& text, int width) {
-  say(fmt::format("{:<{}}{}", title, width, text));
+void Console::say_of(const std::string& name, std::vector<std::string> lines) {
+  lines.at(0) = name + ": " + lines[0];
+  say(lines);
 }
+
+void Console::say(const std::string& title, const std::string& text, int width) { say(titled(title, text, width)); }
 
 void Console::check_announced(const ToldReport& told) const {
   for (const ToldReport& announced : command_.told())
@@ -95,44 +106,46 @@ void Console::check_announced(const ToldReport& told) const {
 }
 
 void Console::tell(const ToldReport& told, const void* report) {
+  progress_.finish();  // what is told has been made
   check_announced(told);
   if (!options_.json) return;
   if (told.list)
-    push_report(told_, told.key, *told.schema, report);
+    push_report(results_->told, told.key, *told.schema, report);
   else
-    put_report(told_, told.key, *told.schema, report);
+    put_report(results_->told, told.key, *told.schema, report);
 }
 
-void Console::tell_value(std::string_view key, const Json& value) {
+void Console::tell_value_as(std::string_view key, const ReportValue& value) {
   check_announced({key, nullptr});
-  *told_.at(key, true) = value;
+  put_value(results_->told, key, value);
 }
 
 void Console::begin_list(const ToldReport& told) {
   check_announced(told);
-  *told_.at(told.key, true) = Json::array();
+  put_list(results_->told, told.key);
 }
 
-void Console::end_result() { results_.push_back(std::exchange(told_, Json())); }
+void Console::end_result() { results_->files.push_back(std::exchange(results_->told, Json())); }
 
 void Console::fail(const std::string& file, const std::string& message) {
   clear();
   print_error(message);
   failed_ = true;
-  told_ = {{"file", file}, {"error", {{"kind", "file"}, {"text", message}}}};
+  results_->told = {{"file", file}, {"error", {{"kind", "file"}, {"text", message}}}};
   end_result();
 }
 
 void Console::show_json() {
   if (!options_.json) return;
-  if (listing_) told_ = {{"files", std::move(results_)}};
-  told_["schema"] = kReportVersion;
-  told_["warnings"] = warnings_;
-  told_["messages"] = messages_;
+  Json& told = results_->told;
+  if (listing_) told = {{"files", std::move(results_->files)}};
+  told["schema"] = kReportVersion;
+  told["warnings"] = warnings_;
+  told["messages"] = results_->messages;
   if (tells_stages_)
     for (const Progress::Timing& t : progress_.timings())
-      told_["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
-  show(told_.text() + "\n");
+      told["stages"].push_back({{"stage", t.stage}, {"wall_s", t.wall_seconds}, {"cpu_s", t.cpu_seconds}});
+  show(text_of(told));
 }
 
 void Console::warn(const std::string& file, const std::vector<std::string>& warnings) {
@@ -146,10 +159,10 @@ void Console::note(const std::string& file, const std::vector<Note>& notes) {
       warn(note.of.empty() ? file : note.of, {note_line(note)});
     else
       say(in_flags(note_line(note)));
-    messages_.push_back({{"code", note.code},
-                         {"severity", warning ? "warning" : "information"},
-                         {"text", in_flags(note.text)},
-                         {"remedy", in_flags(note.remedy)}});
+    results_->messages.push_back({{"code", note.code},
+                                  {"severity", warning ? "warning" : "information"},
+                                  {"text", in_flags(note.text)},
+                                  {"remedy", in_flags(note.remedy)}});
   }
 }
 

@@ -1,6 +1,7 @@
 // What every command says, and how: results on standard output, everything else on standard error.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -47,19 +48,17 @@ class Console {
   void say(const std::string& line);
   /// Several lines, in which options are named as in messages of the library.
   void say(const std::vector<std::string>& lines);
+  /// The same of what has a name: "scan.ply: " stands before the first.
+  void say_of(const std::string& name, std::vector<std::string> lines);
   /// The same with a title: "area            0.5".
   void say(const std::string& title, const std::string& text, int width = 16);
   /// A result for programs: what a report tells, under a key or beside the others. Printed with --json, once all is
-  /// done, with all that was warned of (`warnings`). Throws std::logic_error for reports of
-  /// which the command does not say that it tells them (CommandLine::tells).
+  /// done, with all that was warned of (`warnings`). The stage of the progress ends. Throws std::logic_error for
+  /// reports of which the command does not say that it tells them (CommandLine::tells).
   template <HasReport T>
   void tell(const T& report, std::string_view key = {}) {
     tell(ToldReport{key, &T::schema()}, &report);
   }
-  /// The same of a value.
-  void tell_value(std::string_view key, const Json& value);
-  /// The time of each stage as well (`stages`), of commands whose results are not compared.
-  void tell_stages() { tells_stages_ = true; }
   /// The same of a list of reports.
   template <HasReport T>
   void tell(const std::vector<T>& reports, std::string_view key) {
@@ -67,10 +66,17 @@ class Console {
     begin_list(told);
     for (const T& report : reports) tell(told, &report);
   }
+  /// The same of a value.
+  template <class T>
+  void tell_value(std::string_view key, const T& value) {
+    tell_value_as(key, report_detail::value_of(value));
+  }
+  /// The time of each stage as well (`stages`), of commands whose results are not compared.
+  void tell_stages() { tells_stages_ = true; }
   /// From here on results for programs are a list, `files` of one object: a command tells of several files, one after
   /// the other.
   void list_results() { listing_ = true; }
-  /// All that was told since the last one is of one of these files.
+  /// Ends the results of one of these files: what was told since the last call is of it.
   void end_result();
   /// A mistake in one of several files: told as errors are, and in the list. The command goes on, and fails in the end.
   void fail(const std::string& file, const std::string& message);
@@ -88,7 +94,10 @@ class Console {
   std::string in_flags(const std::string& message) const;
 
  private:
+  struct Results;
+
   void tell(const ToldReport& told, const void* report);
+  void tell_value_as(std::string_view key, const ReportValue& value);
   void begin_list(const ToldReport& told);
   void check_announced(const ToldReport& told) const;
   /// All that was told.
@@ -96,7 +105,6 @@ class Console {
   /// With --verbose: the table of stages.
   void print_timings();
   void warn_line(const std::string& line);
-  void print_json(Json json);
   void show(const std::string& text);
   void draw(const std::string& stage, double fraction);
   void clear();
@@ -104,8 +112,7 @@ class Console {
   ConsoleOptions options_;
   const CommandLine& command_;
   std::vector<std::string> warnings_;
-  Json messages_ = Json::array(), told_;
-  Json results_ = Json::array();
+  std::unique_ptr<Results> results_;
   bool listing_ = false, failed_ = false;
   std::string said_;  ///< once there are files, of which it is, in their places
   bool keeps_frames_ = false;

@@ -1,7 +1,7 @@
 // sansmesh convert: clouds and meshes into other formats, moved, cropped, thinned, welded, split on the way.
 #include "sansmesh/convert.h"
 
-#include <fmt/format.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -13,14 +13,12 @@
 
 #include "cloud_input.h"
 #include "commands.h"
-#include "flags.h"
+#include "mesh_words.h"
 #include "option_groups.h"
-#include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/jobs/frame_names.h"
 #include "schema_options.h"
-#include "standard_streams.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -54,103 +52,69 @@ constexpr ReportRow kConvertedFile[] = {
 constexpr ReportSchema kConvertedFileSchema{kConvertedFile};
 const ReportSchema& ConvertedFile::schema() { return kConvertedFileSchema; }
 
-class Conversion {
- public:
-  Conversion(const ConvertArguments& arguments, Console& console) : a_(arguments), console_(console) {}
+/// Names that nobody gave: they must not be those of the input.
+std::vector<std::string> names_of_parts(const ConvertArguments& a, std::size_t parts, Console& console) {
+  std::vector<std::string> names(parts);
+  for (std::size_t k = 0; k < parts; ++k) names[k] = part_name(a.output, k + 1, parts);
+  check_inputs_stay(a.input.files, names);
+  std::error_code none;
+  const std::string beyond = part_name(a.output, parts + 1, parts);
+  if (std::filesystem::exists(beyond, none))
+    console.warn(beyond, {"is none of the " + counted(parts, "part") + ", but was there before"});
+  return names;
+}
 
-  void run() {
-    const ConvertOptions& options = a_.options;
-    options.validate();
-    a_.parts.validate();
-    require(a_.split || !a_.parts.split_distance, "--split-distance means nothing without --split");
-    require(a_.split || a_.parts.min_size == 0, "--min-size means nothing without --split");
-    check_converted(a_.output, options.vertices_only);
-    const std::string name = a_.input.name();
-    Progress& progress = console_.progress();
-    PointSet given = a_.input.read(console_, read_);
-    if (!read_.unread.empty())
-      warn(name, fmt::format("not read, there is no place for it: {}", fmt::join(read_.unread, ", ")));
-    ConvertResult made = naming(name, console_, [&] { return convert(std::move(given), options, progress); });
-    const ConvertReport& r = made.report;
-    said_.push_back(fmt::format("{}: {} ({})", name, r.size_words, read_.format));
-    for (const ConvertedBy& done : r.steps)
-      if (!done.remark.empty()) said_.push_back(fmt::format("{}: {}", flag_of_name(done.step), done.remark));
-    console_.note(name, made.notes);
-    console_.note(a_.output, fit_to_format(made.data, a_.output));
-    if (a_.split) {
-      split_into_files(made.data);
-    } else {
-      progress.begin("write");
-      write(a_.output, made.data);
-    }
-    for (const std::string& line : said_) console_.say(line);
-    console_.tell(a_.input.told(), "input");
-    console_.tell_value("input.format", read_.format);
-    console_.tell_value("input.unread", read_.unread);
-    console_.tell(r);
-    console_.tell(outputs_, "outputs");
-    console_.tell_value("left_out", left_out_);
+void run_convert(const ConvertArguments& a, Console& console) {
+  a.options.validate();
+  a.parts.validate();
+  require(a.split || options_set(a.parts).empty(), "--split-distance and --min-size mean nothing without --split");
+  check_converted(a.output, a.options.vertices_only);
+  const std::string name = a.input.name();
+  Progress& progress = console.progress();
+  ReadReport read;
+  PointSet given = a.input.read(console, read);
+  ConvertResult made = naming(name, console, [&] { return convert(std::move(given), a.options, progress); });
+  CloudOrMesh& data = made.data;
+  console.note(name, made.notes);
+  console.note(a.output, fit_to_format(data, a.output));
+  if (data.is_mesh)
+    warn_of_losses(name, read, a.output, data.mesh, console);
+  else
+    warn_of_losses(name, read, a.output, data.points, console);
+  const std::vector<std::string> lost = left_out(a.output, data);
+  std::vector<std::string> said = summary_of(made.report);
+  std::vector<CloudOrMesh> parts;
+  std::vector<std::string> files{a.output};
+  if (a.split) {
+    SplitResult found = naming(name, console, [&] { return split(data, a.parts, progress); });
+    console.note(name, found.notes);
+    said.push_back(summary_of(found)[0]);
+    console.tell(found);
+    parts = std::move(found.parts);
+    files = names_of_parts(a, parts.size(), console);
+  } else {
+    parts.push_back(std::move(data));
   }
-
- private:
-  void warn(const std::string& file, const std::string& warning) {
-    console_.warn(file, std::vector<std::string>{warning});
+  progress.begin("write");
+  std::vector<ConvertedFile> outputs;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    write_converted(files[k], parts[k], a.ascii);
+    const bool mesh = parts[k].is_mesh;
+    outputs.push_back({files[k], parts[k].size(), told_if(mesh, parts[k].mesh.triangles.size())});
   }
-
-  void write(const std::string& file, const CloudOrMesh& data) {
-    const std::vector<std::string> lost = data.is_mesh ? left_out(file, data.mesh) : left_out(file, data.points);
-    if (!lost.empty() && left_out_.empty()) {
-      left_out_ = lost;
-      warn(a_.output, fmt::format("its format has no room for {}: left out", fmt::join(lost, ", ")));
-    }
-    if (data.is_mesh)
-      write_mesh(file, data.mesh, {.ascii = a_.ascii});
-    else
-      write_points(file, data.points, {.ascii = a_.ascii});
-    if (outputs_.size() < kTold)
-      said_.push_back(fmt::format("{}: {}{}", file, data.size_words(), a_.split ? "" : data.belongings(lost)));
-    else if (outputs_.size() == kTold)
-      said_.push_back("…");
-    outputs_.push_back({file, data.size(), data.is_mesh ? std::optional(data.mesh.triangles.size()) : std::nullopt});
-  }
-
-  /// Parts have names that nobody gave: they must not be those of the input.
-  void check_part_names(std::size_t parts) {
-    std::vector<std::string> names(parts);
-    for (std::size_t k = 0; k < parts; ++k) names[k] = part_name(a_.output, k + 1, parts);
-    check_inputs_stay(a_.input.files, names);
-    std::error_code none;
-    const std::string beyond = part_name(a_.output, parts + 1, parts);
-    if (std::filesystem::exists(beyond, none))
-      warn(beyond, "is none of the " + counted(parts, "part") + ", but was there before");
-  }
-
-  void split_into_files(const CloudOrMesh& data) {
-    const std::string name = a_.input.name();
-    const SplitResult made = naming(name, console_, [&] { return split(data, a_.parts, console_.progress()); });
-    console_.note(name, made.notes);
-    if (made.distance)
-      said_.push_back(
-          fmt::format("--split: {} at a distance of {}", counted(made.found, "part"), length(*made.distance)));
-    const std::size_t parts = made.parts.size();
-    check_part_names(parts);
-    console_.progress().begin("write");
-    for (std::size_t k = 0; k < parts; ++k) write(part_name(a_.output, k + 1, parts), made.parts[k]);
-    tell_parts(parts);
-  }
-
-  void tell_parts(std::size_t parts) {
-    if (parts <= kTold) return;
-    said_.push_back(fmt::format("{} written, {} to {}", counted(parts, "part"), part_name(a_.output, 1, parts),
-                                part_name(a_.output, parts, parts)));
-  }
-
-  const ConvertArguments& a_;
-  Console& console_;
-  ReadReport read_;
-  std::vector<ConvertedFile> outputs_;
-  std::vector<std::string> said_, left_out_;  // lines for when all is done; what the format has no room for
-};
+  console.say(fmt::format("{} ({})", name, read.format));
+  console.say(said);
+  for (std::size_t k = 0; k < std::min(kTold, parts.size()); ++k)
+    console.say(fmt::format("{}: {}{}", files[k], parts[k].size_words(), a.split ? "" : parts[k].belongings(lost)));
+  if (parts.size() > kTold)
+    console.say(fmt::format("… {} written, {}", counted(parts.size(), "part"), WrittenPictures{files}.words()));
+  console.tell(a.input.told(), "input");
+  console.tell_value("input.format", read.format);
+  console.tell_value("input.unread", read.unread);
+  console.tell(made.report);
+  console.tell(outputs, "outputs");
+  console.tell_value("left_out", lost);
+}
 
 }  // namespace
 
@@ -163,7 +127,7 @@ Command add_convert(CommandLine& app) {
   c.add_option("-o,--output", a.output,
                "Mesh (" + listed_endings(endings_written(kMesh)) + ") or points (" +
                    listed_endings(endings_written(kPoints)) + ") to write")
-      .type_name("FILE")
+      .writes(endings_written(kMesh | kPoints))
       .required();
   add_ascii_flag(c, a.ascii);
   add_schema(c, a.options, {.only = {"vertices_only"}});
@@ -185,9 +149,9 @@ Command add_convert(CommandLine& app) {
            "  sansmesh convert scan.ply -o moved.ply --transform matrix.txt");
   c.tells({told<ReadFiles>("input"), told_value<std::string>("input.format", "Format of the file"),
            told_value<std::vector<std::string>>("input.unread", "What there was no place for"), told<ConvertReport>(),
-           told_list<ConvertedFile>("outputs"),
+           told<SplitResult>(), told_list<ConvertedFile>("outputs"),
            told_value<std::vector<std::string>>("left_out", "What the format of the output has no room for")});
-  return {&c, [shared](Console& console) { Conversion(*shared, console).run(); }};
+  return {&c, [shared](Console& console) { run_convert(*shared, console); }};
 }
 
 }  // namespace sansmesh::cli

@@ -32,12 +32,8 @@ void run_csg(const CsgArguments& a, Console& console) {
   console.tell(solid);
   console.tell(r);
 
-  console.say(fmt::format("{}, cells of {}, {}", size_words(r.box.size()), length(r.cell), counted(r.blocks, "block")));
   say_mesh(a.output.file, made.mesh, r.components, r.closed, console);
-  std::string size = area_words(r.area, r.volume);
-  if (r.largest_error > 0)
-    size += fmt::format("; triangles {} off on average, at most {}", length(r.mean_error), length(r.largest_error));
-  console.say(size);
+  console.say(summary_of(r));
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 // sansmesh curvature: principal curvatures of a scan as attributes and as a picture.
-#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/points.h"
 
 #include <fmt/core.h>
@@ -11,6 +10,7 @@
 #include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/io.h"
+#include "sansmesh/pictures.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {
@@ -20,73 +20,48 @@ struct CurvatureArguments {
   CloudInput input;
   std::string output, preview;
   PictureArguments picture;
-  std::string unit;
-  bool ascii = false, no_bar = false;
+  bool ascii = false;
   CurvatureMapOptions options;
 };
 
-void report_curvature(const CurvatureArguments& arguments, const CurvatureResult& made, const ReadReport& read,
-                      Console& console) {
-  const CurvatureReport& r = made.report;
-  const std::size_t n = made.points.size();
-  const CurvatureQuantity quantity = arguments.options.color_by;
-  const char* const word = quantity_word(quantity);
-  const auto words = [&](std::size_t count) {
-    if (!r.mesh) return counted(count, "sample");
-    return count == 1 ? std::string("1 vertex") : grouped(count) + " vertices";
-  };
-  console.say(fmt::format("{}: {}, noise {} ({})", arguments.input.name(), words(n), length(r.noise), read.format));
-  console.say(fmt::format("{} curvature: 5 % below {}, half below {}, 95 % below {} ({})", word, length(r.q05),
-                          length(r.median), length(r.q95),
-                          quantity == CurvatureQuantity::gaussian ? "1/length²" : "1/length, positive where convex"));
-  if (r.undefined > 0) console.say(fmt::format("{} without enough neighbours: zero", words(r.undefined)));
-  console.say(
-      fmt::format("{}: k1 k2 mean_curvature gaussian_curvature curvedness shape_index d1 d2, colours of {} "
-                  "up to ±{}",
-                  arguments.output, word, length(r.color_range)));
-  console.tell(arguments.input.told(read, n), "input");
-  console.tell(r);
-  console.tell(ToldFile{arguments.output}, "output");
+void check_curvature(const CurvatureArguments& a) {
+  a.options.validate();
+  const bool only_mesh = is_written(a.output, "mesh") && !is_written(a.output, "points");
+  check_writable(a.output, only_mesh ? "mesh" : "points");
+  a.picture.chosen().validate();
+  require(!a.preview.empty() || !a.picture.any(), "options of the picture need --preview");
+  require(!a.preview.empty() || (a.options.unit.empty() && a.options.bar), "--unit and --no-bar need --preview");
+  if (!a.preview.empty()) check_writable(a.preview, "image");
 }
 
-void run_curvature(const CurvatureArguments& arguments, Console& console) {
-  arguments.options.validate();
-  const bool only_mesh = is_written(arguments.output, "mesh") && !is_written(arguments.output, "points");
-  check_writable(arguments.output, only_mesh ? "mesh" : "points");
-  RenderOptions look = arguments.picture.chosen();
-  look.validate();
-  require(!arguments.preview.empty() || !arguments.picture.any(), "options of the picture need --preview");
-  require(!arguments.preview.empty() || (arguments.unit.empty() && !arguments.no_bar),
-          "--unit and --no-bar need --preview");
-  if (!arguments.preview.empty()) check_writable(arguments.preview, "image");
-
+void run_curvature(const CurvatureArguments& a, Console& console) {
+  check_curvature(a);
   Progress& progress = console.progress();
+  const std::string name = a.input.name();
   ReadReport read;
-  PointSet given = arguments.input.read(console, read);
-  if (given.triangles.empty()) check_writable(arguments.output, "points");
-  const CurvatureResult made =
-      naming(arguments.input.name(), console, [&] { return curvature(std::move(given), arguments.options, progress); });
-  console.note(arguments.input.name(), made.notes);
-  const PointSet& points = made.points;
+  PointSet given = a.input.read(console, read);
+  if (given.triangles.empty()) check_writable(a.output, "points");
+  const CurvatureResult made = naming(name, console, [&] { return curvature(std::move(given), a.options, progress); });
+  console.note(name, made.notes);
   const CurvatureReport& r = made.report;
-  Image preview;
-  if (!arguments.preview.empty()) {
-    std::optional<ColorBar> bar;
-    if (!arguments.no_bar)
-      bar = curvature_bar(arguments.options.color_by, r.color_range, arguments.unit, r.beyond_range);
-    leave_room(look, bar);
-    preview = beside_bar(render_mesh(to_mesh(points), look, progress), bar, look);
-  }
+  MapPicture preview;
+  if (!a.preview.empty()) preview = draw_curvature(made, a.options, a.picture.chosen(), progress);
   progress.begin("write");
-  if (r.mesh && is_written(arguments.output, "mesh")) {
-    const TriangleMesh mesh = to_mesh(points);
-    warn_of_losses(arguments.input.name(), read, arguments.output, mesh, console);
-    write_mesh(arguments.output, mesh, {.ascii = arguments.ascii});
+  if (r.mesh && is_written(a.output, "mesh")) {
+    const TriangleMesh mesh = to_mesh(made.points);
+    warn_of_losses(name, read, a.output, mesh, console);
+    write_mesh(a.output, mesh, {.ascii = a.ascii});
   } else {
-    write_points(arguments.output, points, {.ascii = arguments.ascii});
+    write_points(a.output, made.points, {.ascii = a.ascii});
   }
-  if (!arguments.preview.empty()) arguments.picture.write(arguments.preview, preview, look);
-  report_curvature(arguments, made, read, console);
+  if (!a.preview.empty()) a.picture.write(a.preview, preview.image, preview.made_with);
+  console.tell(a.input.told(read, made.points.size()), "input");
+  console.tell(r);
+  console.tell(ToldFile{a.output}, "output");
+  console.say_of(name + " (" + read.format + ")", summary_of(made));
+  console.say(
+      fmt::format("{}: k1 k2 mean_curvature gaussian_curvature curvedness shape_index d1 d2, colours of {} up to ±{}",
+                  a.output, quantity_word(r.color_by), length(r.color_range)));
 }
 
 }  // namespace
@@ -98,13 +73,13 @@ Command add_curvature(CommandLine& app) {
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a.output,
                "Points or mesh to write with attributes: .ply .csv .pcd .vtp, of meshes .glb (others: colours only)")
-      .type_name("FILE")
+      .writes({".ply", ".csv", ".pcd", ".vtp", ".glb"})
       .required();
   add_preview_option(c, a.preview, "the coloured points");
   add_ascii_flag(c, a.ascii);
   add_picture_options(c, a.picture);
-  add_bar_options(c, a.no_bar, a.unit, "lengths");
-  add_schema(c, a.options);
+  add_schema(c, a.options, {.group = "Picture", .only = {"bar", "unit"}});
+  add_schema(c, a.options, {.without = {"bar", "unit"}});
   c.footer(
       std::string(kReadable) +
       "\n\nCurvatures are per length of the input, positive where the surface is convex. Those of a mesh are at its "

@@ -3,23 +3,15 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <filesystem>
 #include <limits>
 #include <memory>
 #include <utility>
 
 #include "cloud_input.h"
 #include "commands.h"
-#include "mesh_words.h"
 #include "option_groups.h"
-#include "sansmesh/error.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/write_volume.h"
 #include "sansmesh/jobs/frame_names.h"
-#include "sansmesh/measure/section_text.h"
-#include "sansmesh/surface_function.h"
 #include "schema_options.h"
 #include "solid_input.h"
 #include "volume_colors.h"
@@ -28,8 +20,6 @@
 namespace sansmesh::cli {
 namespace {
 
-enum class DeformedThing { points, solid, volume };
-
 struct DeformArguments {
   VolumeInput input;  ///< its files are also those of clouds, or an expression
   DeformationInput deformation;
@@ -37,192 +27,95 @@ struct DeformArguments {
   DeformationMapOptions map;
   PictureArguments picture;
   VolumeColors colors;
-  std::vector<std::string> clips;
-  std::string output, unit, background = "gradient";
-  bool ascii = false, all_arrays = false, no_bar = false;
+  std::string output, unit;
+  bool ascii = false, all_arrays = false;
 
-  DeformAim aim() const {
-    if (output.ends_with(".png")) return DeformAim::picture;
-    return output.ends_with(".svg") || output.ends_with(".csv") ? DeformAim::sections : DeformAim::shape;
-  }
-  std::string file(int pose) const {
-    return options.frames ? frame_name(output, static_cast<std::size_t>(pose)) : output;
-  }
+  DeformAim aim() const { return deform_aim(output); }
 };
-
-/// Summary of all poses, printed at the end.
-struct Deformed {
-  DeformResult result;
-  std::vector<std::string> files, lines;
-};
-
-/// What the input is, by its name alone.
-DeformedThing thing_of(const DeformArguments& a) {
-  const std::vector<std::string>& files = a.input.files;
-  if (files.size() == 1) {
-    const std::string& name = files[0];
-    std::error_code ignored;
-    if (!std::filesystem::exists(name, ignored)) {
-      if (parse_isosurface_name(name) || name.find_first_of("()|&~+ ") != std::string::npos)
-        return DeformedThing::solid;
-      throw FileError(name, "does not exist");
-    }
-    if (is_function_file(name)) return DeformedThing::solid;
-  }
-  if (a.input.read.raw.given() || !a.input.array.empty() || a.all_arrays) return DeformedThing::volume;
-  return std::all_of(files.begin(), files.end(), is_volume_name) ? DeformedThing::volume : DeformedThing::points;
-}
 
 /// All that can be told before anything is read.
-void check_deform(DeformArguments& a) {
-  VolumePictureOptions& look = a.options.look;
-  look.picture = a.picture.chosen();
-  set_background(look.picture, a.background);
+DeformKind check_deform(DeformArguments& a) {
+  const bool vti = a.output.ends_with(".vti");
+  a.options.look.picture = a.picture.chosen();
+  if (a.aim() == DeformAim::picture) a.colors.put_into(a.options.look);
   a.options.any_view = !a.picture.has_view();
   a.picture.check_frames(a.options.frames.has_value());
   a.deformation.validate();
   a.options.validate(a.aim());
-  require(!a.options.frames || a.deformation.map.empty(), "--frames needs handles: a map is one deformation");
-  require(!a.options.draw_handles || a.deformation.map.empty(), "--draw-handles needs handles");
-  require(!a.options.cut_open || !a.deformation.cuts.empty(), "--cut-open needs --cut");
   require(a.unit.empty() || a.output.ends_with(".svg"), "--unit is for drawings: -o FILE.svg");
-  if (a.aim() == DeformAim::picture) check_writable(a.output, "image");
-  if (a.aim() == DeformAim::sections) check_writable(a.output, "text");
-  if (!a.map.nodes) return;
-  require(a.output.ends_with(".vti"), "--displacement-map is written as -o FILE.vti");
-  require(!a.options.frames, "--displacement-map is of one deformation: without --frames");
-  a.map.box = a.options.box;
-}
-
-UsePose to_files(const DeformArguments& a, Deformed& deformed, Console& console) {
-  return [&](int pose, const DeformedPose& made) {
-    deformed.files.push_back(a.file(pose));
-    console.progress().begin("write");
-    const std::string& file = deformed.files.back();
-    const auto* const picture = std::get_if<DeformedPicture>(&made);
-    if (!picture) return write_pose(file, made, a.ascii, a.unit);
-    RenderOptions look = a.options.look.picture;
-    look.view.width -= picture->bar;
-    a.picture.write(file, picture->image, look);
-  };
-}
-
-PointSet read_cloud(const DeformArguments& a, Console& console) {
-  const CloudInput cloud{a.input.files, {}, {}, {}};
-  ReadReport read;
-  PointSet points = cloud.read(console, read);
-  console.tell(cloud.told(read, points.size()), "input");
-  return points;
-}
-
-SolidModel read_solid_of(const DeformArguments& a, Console& console) {
-  SolidModel solid = open_solid(a.input.files[0], console);
-  console.tell(solid, "input");
-  return solid;
-}
-
-Deformed deform_cloud(const DeformArguments& a, const Deformation& deformation, Console& console) {
-  Deformed d;
-  const PointSet points = read_cloud(a, console);
-  const bool mesh = !points.triangles.empty();
-  if (a.aim() == DeformAim::shape) check_writable(a.output, mesh ? "mesh" : "points");
-  d.result =
-      deform(points, a.input.name(), deformation, a.aim(), a.options, to_files(a, d, console), console.progress());
-  const DeformReport& r = d.result.report;
-  d.lines.push_back(mesh ? fmt::format("{}, {} {}{}", counted(r.triangles, "triangle"), grouped(r.vertices),
-                                       r.vertices == 1 ? "vertex" : "vertices",
-                                       r.added > 0 ? fmt::format(" ({} added)", grouped(r.added)) : "")
-                         : counted(r.vertices, "point"));
-  if (r.cut)
-    d.lines.push_back(r.cut->edges == 0 ? "no cut reaches it"
-                                        : fmt::format("opened along {}, {} on cut faces", counted(r.cut->edges, "edge"),
-                                                      counted(r.cut->faces, "triangle")));
-  return d;
-}
-
-Deformed deform_solid(const DeformArguments& a, const Deformation& deformation, Console& console) {
-  if (a.aim() == DeformAim::shape) check_writable(a.output, "mesh");
-  Deformed d;
-  const SolidModel solid = read_solid_of(a, console);
-  d.result = deform(solid, deformation, a.aim(), a.options, to_files(a, d, console), console.progress());
-  const DeformReport& r = d.result.report;
-  if (r.mesh_of_open)
-    d.lines = {fmt::format("{}, its surface bounds no solid: its mesh was deformed", counted(r.triangles, "triangle"))};
-  for (const Section& s : r.sections) d.lines.push_back(section_words(s));
-  if (r.solid)
-    d.lines = {fmt::format("{}, {} vertices in {}{}", counted(r.triangles, "triangle"), grouped(r.vertices),
-                           counted(r.solid->components, "component"), r.solid->closed ? ", closed" : ", not closed"),
-               area_words(r.solid->area, r.solid->volume)};
-  return d;
-}
-
-Deformed deform_volume(DeformArguments& a, const Deformation& deformation, Console& console) {
-  const bool picture = a.aim() == DeformAim::picture;
   require(!a.all_arrays || a.input.array.empty(), "give --array or --all-arrays, not both");
-  require(!a.all_arrays || a.output.ends_with(".vti"), "--all-arrays needs a format of several arrays: -o FILE.vti");
-  if (a.aim() == DeformAim::shape) check_volume_writable(a.output);
-  VolumePictureOptions& look = a.options.look;
-  if (picture) {
-    a.colors.put_into(look);
-    for (const std::string& text : a.clips) look.clips.push_back(volume_cut_of(text));
-    look.color_bar = !a.no_bar;
-    look.validate();
+  require(!a.all_arrays || vti, "--all-arrays needs a format of several arrays: -o FILE.vti");
+  require(!a.map.nodes || vti, "--displacement-map is written as -o FILE.vti");
+  require(!a.map.nodes || !a.options.frames, "--displacement-map is of one deformation: without --frames");
+  a.map.box = a.options.box;
+  const bool volume = a.input.read.raw.given() || !a.input.array.empty() || a.all_arrays;
+  DeformKind kind = deform_kind(a.input.files);
+  if (kind == DeformKind::points && volume) kind = DeformKind::volume;
+  check_deformed(a.output, a.map.nodes ? DeformKind::volume : kind);
+  return kind;
+}
+
+DeformSubject read_subject(const DeformArguments& a, DeformKind kind, std::vector<std::string>& said,
+                           Console& console) {
+  if (kind == DeformKind::points) {
+    const CloudInput cloud{a.input.files, {}, {}, {}};
+    ReadReport read;
+    PointSet points = cloud.read(console, read);
+    console.tell(cloud.told(read, points.size()), "input");
+    if (a.aim() == DeformAim::shape && !a.map.nodes)
+      check_writable(a.output, points.triangles.empty() ? "points" : "mesh");
+    return points;
+  }
+  if (kind == DeformKind::solid) {
+    SolidModel solid = open_solid(a.input.files[0], console);
+    console.tell(solid, "input");
+    return solid;
   }
   VolumeModel volume = a.input.open(console);
   std::vector<Note> notes;
-  const DeformableVolume subject = deformable_volume(volume, a.aim(), a.all_arrays, console.progress(), notes);
+  DeformableVolume subject = deformable_volume(volume, a.aim(), a.all_arrays, console.progress(), notes);
   console.note(volume.name(), notes);
-  Deformed d;
-  d.result = deform(subject, deformation, a.aim(), a.options, to_files(a, d, console), console.progress());
   console.tell(a.input.told(volume, console.progress()), "input");
   console.tell(subject, "output");
-  console.say(method_line(volume));
-  const DeformReport& r = d.result.report;
-  if (!picture) d.lines = {lattice_words(r.size, r.inside)};
-  return d;
-}
-
-Deformed write_displacement_map(const DeformArguments& a, DeformedThing thing, const Deformation& deformation,
-                                Console& console) {
-  Box3 before;
-  if (thing == DeformedThing::volume) {
-    before = a.input.open(console).samples(console.progress())->bounds();
-    console.tell(a.input.told(), "input");
-  } else {
-    before = thing == DeformedThing::solid ? read_solid_of(a, console).bounds() : bounds_of(read_cloud(a, console));
-  }
-  DeformationMapResult made = deformation_map(deformation, before, a.input.name(), a.map, console.progress());
-  console.progress().begin("write");
-  write_volume(a.output, made.block);
-  Deformed d;
-  d.files = {a.output};
-  const std::array<std::size_t, 3> size{made.block.axes[0].size(), made.block.axes[1].size(),
-                                        made.block.axes[2].size()};
-  d.lines = {
-      fmt::format("{} × {} × {} displacements: sansmesh deform … --map {}", size[0], size[1], size[2], a.output)};
-  d.result.report.size = size;
-  d.result.report.folds = std::move(made.folds);
-  d.result.notes = std::move(made.notes);
-  return d;
+  said = summary_of(volume, console.progress());
+  return subject;
 }
 
 void run_deform(DeformArguments& a, Console& console) {
-  check_deform(a);
-  const DeformedThing thing = thing_of(a);
-  const Deformation deformation = read_deformation(a.deformation, console.progress());
-  const Deformed d = a.map.nodes                      ? write_displacement_map(a, thing, deformation, console)
-                     : thing == DeformedThing::solid  ? deform_solid(a, deformation, console)
-                     : thing == DeformedThing::volume ? deform_volume(a, deformation, console)
-                                                      : deform_cloud(a, deformation, console);
-  console.note(a.input.name(), d.result.notes);
+  const DeformKind kind = check_deform(a);
+  Progress& progress = console.progress();
+  const std::string name = a.input.name();
+  const Deformation deformation = read_deformation(a.deformation, progress);
+  a.options.validate(a.aim(), deformation);
+  std::vector<std::string> files, said;
+  const DeformSubject subject = read_subject(a, kind, said, console);
+  const UsePose write = [&](int pose, const DeformedPose& made) {
+    files.push_back(a.options.frames ? frame_name(a.output, static_cast<std::size_t>(pose)) : a.output);
+    progress.begin("write");
+    const auto* const picture = std::get_if<DeformedPicture>(&made);
+    if (!picture) return write_pose(files.back(), made, a.ascii, a.unit);
+    RenderOptions look = a.options.look.picture;
+    look.view.width -= picture->bar;
+    a.picture.write(files.back(), picture->image, look);
+  };
+  DeformResult made;
+  if (a.map.nodes) {
+    DeformationMapResult map = deformation_map(deformation, bounds_of(subject), name, a.map, progress);
+    write(0, std::move(map.block));
+    made = {std::move(map.report), std::move(map.notes)};
+  } else {
+    made = deform(subject, name, deformation, a.aim(), a.options, write, progress);
+  }
+  console.note(name, made.notes);
   console.tell(deformation, "deformation");
-  console.tell(d.result.report, "output");
-  console.tell_value("output.files", d.files);
-  console.say(fmt::format("{}: {}", a.input.name(), deformation.words()));
-  for (const std::string& line : d.lines)
-    console.say(fmt::format("{}: {}", d.files.size() == 1 ? d.files[0] : a.output, line));
-  if (d.files.size() > 1)
-    console.say(fmt::format("{} to {}: {}", d.files.front(), d.files.back(), counted(d.files.size(), "pose")));
+  console.tell(made.report, "output");
+  console.tell_value("output.files", files);
+  console.say(said);
+  console.say(fmt::format("{}: {}", name, deformation.words()));
+  for (const std::string& line : summary_of(made.report))
+    console.say(fmt::format("{}: {}", files.size() == 1 ? files[0] : a.output, line));
+  if (files.size() > 1)
+    console.say(fmt::format("{} to {}: {}", files.front(), files.back(), counted(files.size(), "pose")));
 }
 
 }  // namespace
@@ -234,12 +127,13 @@ Command add_deform(CommandLine& app) {
   c.add_option("input", a.input.files,
                "Mesh, points, function (.smf), expression as of csg, DATA[NAME=VALUE], or a volume")
       .type_name("INPUT")
+      .reads()
       .required();
   c.add_option(
        "-o,--output", a.output,
        "Mesh or points as they came; of functions a mesh, a section (.svg, .csv); of volumes .vti, .mhd, .nrrd; "
        "of all a picture (.png)")
-      .type_name("FILE")
+      .writes({".ply", ".png", ".svg", ".csv", ".vti", ".mhd", ".nrrd"})
       .required();
   add_schema(c, a.deformation, {.group = "Deformation", .without = {"cut", "cut_damping"}});
   add_schema(c, a.options, {.group = "Deformation", .only = {"frames"}});
@@ -251,8 +145,7 @@ Command add_deform(CommandLine& app) {
   c.add_flag("--ascii", a.ascii, "Text instead of binary, where the format has both").group("Meshes");
 
   const char* const functions = "Functions and solids";
-  add_schema(c, a.options, {.group = functions, .only = {"resolution", "cell", "simplify", "components"}});
-  add_schema(c, a.options, {.group = functions, .only = {"plane"}});
+  add_schema(c, a.options, {.group = functions, .only = {"resolution", "cell", "simplify", "components", "plane"}});
   c.add_option("--unit", a.unit, "mm, cm or in: the drawing is true to scale")
       .type_name("UNIT")
       .one_of({"mm", "cm", "in"})
@@ -269,15 +162,14 @@ Command add_deform(CommandLine& app) {
        "Values outside of the volume are NaN: --outside nan")
       .group(volumes);
   a.colors.add_options(c, volumes);
-  c.add_option("--clip", a.clips, "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated")
-      .type_name("PLACE")
-      .repeated()
+  add_schema(c, a.options.look, {.group = volumes, .only = {"clip", "shading"}});
+  a.options.look.color_bar = true;
+  c.add_flag_callback(
+       "--no-bar", [&a] { a.options.look.color_bar = false; }, "Without the colour bar")
       .group(volumes);
-  add_schema(c, a.options.look, {.group = volumes, .only = {"shading"}});
-  c.add_flag("--no-bar", a.no_bar, "Without the colour bar").group(volumes);
 
   add_schema(c, a.options, {.group = "Picture", .only = {"exact_deformation", "draw_handles", "draw_folds"}});
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);
   c.footer(

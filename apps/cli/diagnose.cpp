@@ -3,16 +3,12 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <cmath>
 #include <vector>
 
 #include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/core/index_in.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/function_edits.h"
 #include "sansmesh/functions.h"
 #include "sansmesh/io.h"
@@ -29,12 +25,6 @@ struct DiagnoseArguments {
   DiagnoseOptions options;
 };
 
-/// To a hundredth of its radius, however far from the origin it is.
-std::string where(const SuspiciousPlace& p) {
-  const int digits = index_in<int>(std::ceil(2 - std::log10(std::max(1e-300, p.radius))), 0, 12);
-  return fmt::format("({:.{}f}, {:.{}f}, {:.{}f})", p.position.x, digits, p.position.y, digits, p.position.z, digits);
-}
-
 void check_files(const DiagnoseArguments& a) {
   if (!a.script.empty()) {
     if (!a.script.ends_with(".json")) throw FileError(a.script, "scripts are written to files with the ending .json");
@@ -43,25 +33,6 @@ void check_files(const DiagnoseArguments& a) {
   if (!a.preview.empty()) check_writable(a.preview, "image");
   if (!a.pictures.empty()) check_writable(a.pictures, "image");
   require(!a.separate || !a.pictures.empty(), "--separate is for --pictures FILE.png");
-}
-
-void say_places(const DiagnoseArguments& a, const DiagnoseResult& made, Console& console) {
-  const Diagnosis& d = made.diagnosis;
-  auto next = made.places.begin();
-  for (std::size_t k = 0; k < kSuspicions; ++k) {
-    const auto kind = static_cast<Suspicion>(k);
-    const std::string extra = kind == Suspicion::high_error ? fmt::format(" (above {})", length(d.error_above)) : "";
-    console.say(suspicion_name(kind), (d.found[k] == 0 ? "nowhere" : counted(d.found[k], "place")) + extra);
-    std::size_t shown = 0;
-    for (; next != made.places.end() && next->place.kind == kind; ++next, ++shown) {
-      const SuspiciousPlace& p = next->place;
-      const std::string step = !a.script.empty() && next->step ? fmt::format("; step {}", *next->step) : "";
-      console.say(fmt::format("{:>4} at {}, radius {}: {}, {}{}", next->number, where(p), length(p.radius),
-                              next->worst_words(), counted(p.supports, "fit"), step));
-    }
-    if (shown < d.found[k])
-      console.say(fmt::format("     and {} more: --places {} lists all", grouped(d.found[k] - shown), d.found[k]));
-  }
 }
 
 void run_diagnose(const DiagnoseArguments& a, Console& console) {
@@ -74,8 +45,8 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
   const SurfaceFunction function = read_function(a.input);
   const DiagnoseResult made = naming(a.input, console, [&] { return diagnose(function, a.options, progress); });
   Image picture;
-  if (!a.preview.empty()) picture = render_mesh(made.diagnosis.mesh, look, progress);
   std::vector<Image> pictures;
+  if (!a.preview.empty()) picture = render_mesh(made.diagnosis.mesh, look, progress);
   if (!a.pictures.empty()) pictures = draw_places(made, look, !a.separate, progress);
   progress.begin("write");
   if (!a.script.empty()) write_text(a.script, edit_script(made.edits));
@@ -88,12 +59,10 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
   console.tell(ToldFile{a.input}, "input");
   console.tell(made);
   if (!a.script.empty()) console.tell(ToldFile{a.script}, "script");
-  console.tell_value("pictures", files);
+  if (!a.pictures.empty()) console.tell_value("pictures", files);
 
-  const Diagnosis& d = made.diagnosis;
-  console.say(fmt::format("{}: {}; largest gradient around the surface {:.2f}", a.input,
-                          counted(made.fits, "local fit"), d.largest_gradient));
-  say_places(a, made, console);
+  console.say(fmt::format("{}: {}", a.input, counted(made.fits, "local fit")));
+  console.say(summary_of(made, !a.script.empty()));
   if (!a.script.empty())
     console.say(fmt::format("{}: {} to try with `sansmesh edit`", a.script, counted(made.edits.size(), "edit")));
   if (!a.preview.empty())
@@ -108,15 +77,15 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
 Command add_diagnose(CommandLine& app) {
   CommandLine& c = app.add_subcommand("diagnose", "Function file → suspicious places, a picture, and edits to try");
   auto a = std::make_shared<DiagnoseArguments>();
-  c.add_option("input", a->input, "Function, .smf").type_name("FILE").endings({".smf"}).required();
+  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
   c.add_option("--script-output", a->script, "Write a script for `sansmesh edit`, one step for each place: .json")
       .once_called("--script")
-      .type_name("FILE");
+      .writes({".json"});
   c.add_option("--preview", a->preview, "Draw the surface, suspicious places in colour, into this PNG")
-      .type_name("FILE");
+      .writes({".png"});
   c.add_option("--pictures", a->pictures,
                "Look at each place from outside, ringed, with its number in the list: all on one sheet, a PNG")
-      .type_name("FILE");
+      .writes({".png"});
   c.add_flag("--separate", a->separate, "Instead of the sheet a file for each place: FILE_001.png, FILE_002.png, …");
   add_picture_options(c, a->picture);
   add_wireframe_options(c, a->picture.options);

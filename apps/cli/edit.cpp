@@ -55,7 +55,7 @@ void run_edit(const EditArguments& a, Console& console) {
   console.tell(ToldFile{a.input}, "input");
   console.tell(made);
   if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
-  if (!a.mesh_output.empty()) console.tell(ToldFile{a.mesh_output}, "mesh");
+  if (!a.mesh_output.empty()) console.tell(WrittenMesh(a.mesh_output, made.mesh), "mesh");
 
   for (std::size_t i = 0; i < made.steps.size(); ++i)
     console.say(fmt::format("step {}: {}", i + 1, words_of(made.steps[i])));
@@ -72,15 +72,15 @@ Command add_edit(CommandLine& app) {
   CommandLine& c =
       app.add_subcommand("edit", "Function file → function file, with parts fitted anew, smoothed or removed");
   auto a = std::make_shared<EditArguments>();
-  c.add_option("input", a->input, "Function, .smf").type_name("FILE").endings({".smf"}).required();
-  c.add_option("--script", a->script, "What to do: JSON, see below").type_name("FILE").required();
-  c.add_option("-o,--output", a->output, "Function to write: .smf").type_name("FILE");
+  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
+  c.add_option("--script", a->script, "What to do: JSON, see below").reads({".json"}).required();
+  c.add_option("-o,--output", a->output, "Function to write: .smf").writes({".smf"});
   c.add_option(
        "--mesh", a->mesh,
        "The function's mesh before the edits, by `sansmesh mesh` without options: only what they change is made anew")
-      .type_name("FILE");
+      .reads(endings_read(kPoints));
   c.add_option("--mesh-output", a->mesh_output, "Mesh to write: " + listed_endings(endings_written(kMesh)))
-      .type_name("FILE");
+      .writes(endings_written(kMesh));
   c.footer(
       "A script is {\"version\": 1, \"steps\": [...]}; a step selects supports and says what to do with them:\n"
       "  {\"select\": {\"ball\": {\"center\": [0, 0, 1], \"radius\": 0.2}}, \"degree\": 1}\n"
@@ -94,7 +94,7 @@ Command add_edit(CommandLine& app) {
       "Examples:\n"
       "  sansmesh edit scan.smf --script edits.json -o new.smf\n"
       "  sansmesh edit scan.smf --script edits.json -o new.smf --mesh scan.ply --mesh-output new.ply");
-  c.tells({told<ToldFile>("input"), told<EditedFunction>(), told<ToldFile>("output"), told<ToldFile>("mesh")});
+  c.tells({told<ToldFile>("input"), told<EditedFunction>(), told<ToldFile>("output"), told<WrittenMesh>("mesh")});
   return {&c, [a](Console& console) { run_edit(*a, console); }};
 }
 

@@ -5,12 +5,13 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "flags.h"
 #include "suggestions.h"
 
 namespace sansmesh::cli {
 
 std::string words_of_file_error(const FileError& error, const CommandLine& command) {
-  std::string message = error.what();
+  std::string message = in_flags(error.what(), command);
   std::error_code ignored;
   if (std::filesystem::exists(error.file(), ignored)) return message;
   for (const std::string cause : {": cannot be opened", ": cannot be read"})

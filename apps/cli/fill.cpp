@@ -3,13 +3,10 @@
 
 #include <fmt/core.h>
 
-#include <utility>
-
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh_measures.h"
 #include "schema_options.h"
 
 namespace sansmesh::cli {
@@ -24,22 +21,13 @@ struct FillArguments {
   bool list = false;
 };
 
-/// One line a hole, the largest first.
-void say_holes(const std::string& file, std::size_t triangles, const HoleLoops& found, bool all, Console& console) {
-  console.say(fmt::format("{}: {}, {} with {}", file, counted(triangles, "triangle"),
-                          counted(found.loops.size(), "hole"), counted(found.border_edges, "border edge")));
-  const std::size_t most = all ? found.loops.size() : kMostLines;
-  console.say(summary_of(found, most));
-  if (found.loops.size() > most)
-    console.say(fmt::format("and {} smaller ones (--list names them all)", grouped(found.loops.size() - most)));
-}
-
 void run_list(FillArguments& a, Console& console) {
   if (!a.output.file.empty()) throw ArgumentError("--list lists holes and writes nothing: leave out --output");
   const HolesResult found = list_holes(a.input.read(console), console.progress());
   console.note(a.input.file, found.notes);
   console.tell(found);
-  say_holes(a.input.file, found.triangles, found.holes, true, console);
+  console.say(fmt::format("{}: {}", a.input.file, counted(found.triangles, "triangle")));
+  console.say(summary_of(found.holes, found.holes.loops.size()));
 }
 
 void run_fill(FillArguments& a, Console& console) {
@@ -48,18 +36,13 @@ void run_fill(FillArguments& a, Console& console) {
   if (a.output.file.empty()) throw ArgumentError("--output is needed (or --list, which lists the holes)");
   a.output.check();
   const FillResult made = fill(a.input.read(console), a.options, console.progress());
-  const FillReport& r = made.report;
   console.note(a.input.file, made.notes);
   warn_of_losses(a.input.file, a.input.report, a.output.file, made.mesh, console);
   a.output.write(made.mesh, console);
   console.tell(made);
-
-  say_holes(a.input.file, made.triangles, r.found, false, console);
-  console.say(fmt::format("filled {}, left {} open; added {} and {} vertices, area {}", grouped(r.filled),
-                          grouped(r.too_large + r.failed + r.ends), counted(r.triangles, "triangle"),
-                          grouped(r.vertices), length(r.area)));
-  console.say(fmt::format("{}: {}, {}", a.output.file, counted(made.mesh.triangles.size(), "triangle"),
-                          border_words(measure_topology(made.mesh))));
+  console.say(fmt::format("{} → {}: {}", a.input.file, a.output.file, counted(made.triangles, "triangle")));
+  console.say(summary_of(made, kMostLines));
+  if (made.report.found.loops.size() > kMostLines) console.say("(--list names all holes)");
 }
 
 }  // namespace

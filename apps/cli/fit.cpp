@@ -68,7 +68,7 @@ Command add_fit(CommandLine& app) {
   CommandLine& c = app.add_subcommand("fit", "Points → function file, from which all else can be made");
   auto a = std::make_shared<FitArguments>();
   add_cloud_input(c, a->input, "Points, or a mesh or polygon soup");
-  c.add_option("-o,--output", a->output, "Function to write: .smf").type_name("FILE").required();
+  c.add_option("-o,--output", a->output, "Function to write: .smf").writes({".smf"}).required();
   c.add_flag("--without-samples", a->without_samples, "A smaller file, but parts of it cannot be fitted again");
   add_schema(c, a->options.cloud, {.without = {"class"}});
   add_fit_options(c, a->options.fit);

@@ -23,7 +23,7 @@ struct FlowLinesArguments {
   TraceLinesOptions options;
   LinePictureOptions drawn;
   PictureArguments picture;
-  std::string output, preview, background;
+  std::string output, preview;
   bool ascii = false;
 };
 
@@ -32,14 +32,12 @@ void check_flow_lines(FlowLinesArguments& a) {
   check_writable(a.output, "lines");
   a.options.validate();
   if (a.preview.empty()) {
-    require(options_set(a.drawn).empty() && a.background.empty() && !a.picture.any(),
+    require(options_set(a.drawn).empty() && !a.picture.any(),
             "--color-by, --unit, --tube-radius, --background and the options of the picture need --preview");
     return;
   }
   a.drawn.picture = a.picture.chosen();
   a.drawn.any_view = !a.picture.has_view();
-  a.drawn.any_background = a.background.empty();
-  set_background(a.drawn.picture, a.background);
   a.drawn.validate(usual_color(a.options.lines));
   check_writable(a.preview, "image");
 }
@@ -50,7 +48,6 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   const FlowModel flow = a.input.open(console);
   a.drawn.check_color(arrays_along_lines(flow, a.options));
   const TraceLinesResult made = trace_lines_of(flow, a.options, progress);
-  const FlowLineReport& r = made.report;
   std::optional<LinePicture> picture;
   if (!a.preview.empty()) picture = line_picture(made.lines, a.drawn, usual_color(a.options.lines), progress);
   progress.begin("write");
@@ -61,17 +58,10 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   console.tell(ToldFile{a.output}, "output");
   console.tell_value("output.lines", made.lines.size());
   console.tell_value("output.points", made.lines.positions.size());
-  console.tell(r);
+  console.tell(made.report);
   if (picture) console.tell(ToldFile{a.preview}, "preview"), console.tell(*picture, "preview");
 
-  console.say(fmt::format("{}: {} from {}", flow.name(), counted(made.lines.size(), "line"), counted(r.seeds, "seed")));
-  std::string ends;
-  for (std::size_t k = 0; k < r.ends.size(); ++k)
-    if (r.ends[k] > 0) ends += fmt::format("{}{} {}", ends.empty() ? "" : ", ", kTraceEndWords[k], grouped(r.ends[k]));
-  std::replace(ends.begin(), ends.end(), '_', ' ');
-  if (!ends.empty()) console.say("ended by " + ends);
-  console.say(fmt::format("{}: {}, the longest line {}", a.output, counted(made.lines.positions.size(), "point"),
-                          length(r.longest)));
+  console.say_of(flow.name(), summary_of(made));
   if (picture)
     console.say(fmt::format("{}: colours by {} over {:.6g} to {:.6g}, tubes of radius {}", a.preview, picture->color_by,
                             picture->lower, picture->upper, length(picture->radius)));
@@ -85,7 +75,7 @@ Command add_flow_lines(CommandLine& flow) {
   FlowLinesArguments& a = *shared;
   add_flow_input(c, a.input);
   c.add_option("-o,--output", a.output, "Lines to write: .vtp, .ply or .csv (line,time,x,y,z, …)")
-      .type_name("FILE")
+      .writes({".vtp", ".ply", ".csv"})
       .required();
   const std::vector<std::string_view> steps = {"integrator", "tolerance", "step_length", "least_speed", "most_steps"};
   add_schema(c, a.options, {.without = steps});
@@ -93,7 +83,7 @@ Command add_flow_lines(CommandLine& flow) {
   add_ascii_flag(c, a.ascii);
   add_preview_option(c, a.preview, "the lines as tubes");
   add_schema(c, a.drawn, {.group = "Picture"});
-  add_background_option(c, a.background, "light gray");
+  add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   c.footer(std::string(kFlowsByFormula) +
            "Examples:\n"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "commands.h"
-#include "flow_surface_input.h"
+#include "flow_input.h"
 #include "option_groups.h"
 #include "sansmesh/flow_pictures.h"
 #include "sansmesh/io.h"
@@ -22,14 +22,13 @@ struct FlowRenderArguments {
   FlowPictureOptions options;
   PictureContentsOptions contents;
   PictureArguments picture;
-  std::string output, background = "gradient";
+  std::string output;
 };
 
 void run_flow_render(FlowRenderArguments& a, Console& console) {
   check_writable(a.output, "image");
   a.options.picture = a.picture.chosen();
   a.options.any_view = !a.picture.has_view();
-  set_background(a.options.picture, a.background);
   a.options.validate();
   a.picture.check_frames(a.options.frames.has_value());
   require(!a.options.in_volume() || !a.input.flow.unsteady,
@@ -37,18 +36,17 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
   const FlowModel flow = a.input.open(console);
   check_colors(flow, a.options);
   PictureFiles files(a.picture, a.output, a.options.frames.has_value(), console);
-  const auto write = [&](std::size_t, const Image& image, const RenderOptions& made_with) {
-    files.write(image, made_with);
-  };
   const PictureContents contents(a.contents, a.options.picture, console.progress());
   console.note({}, contents.notes());
-  const FlowPicturesResult made = flow_pictures(flow, a.options, contents.surfaces(), write, console.progress());
+  const FlowPicturesResult made =
+      flow_pictures(flow, a.options, contents.surfaces(), files.writer(), console.progress());
   console.note(flow.source(), made.notes);
   console.tell(a.input.told(flow, console.progress()), "input");
   console.tell(files.written(), "output");
   console.tell(made);
-  say_flow_surface(made.surface, flow, console);
-  console.say(fmt::format("{}: {} × {} pixels", files.written().words(), made.width, made.height));
+  console.say_of(flow.name(), summary_of(made.surface));
+  console.say(
+      fmt::format("{}: {} × {} pixels", files.written().words(), files.written().width, files.written().height));
 }
 
 }  // namespace
@@ -58,7 +56,7 @@ Command add_flow_render(CommandLine& flow) {
   auto shared = std::make_shared<FlowRenderArguments>();
   FlowRenderArguments& a = *shared;
   add_flow_surface_input(c, a.input, a.options.trace);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
+  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
   add_schema(c, a.options,
              {.group = "Look",
               .only = {"streaks", "streak_length", "streak_width", "streak_contrast", "splats", "opacity", "arrows",
@@ -67,7 +65,7 @@ Command add_flow_render(CommandLine& flow) {
              {.group = "Beside the surface", .only = {"volume_array", "preset", "opacity_factor", "iso"}});
   add_schema(c, a.contents);
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);
   c.footer(std::string(kFlowsByFormula) +

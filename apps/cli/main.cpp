@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -92,7 +93,7 @@ class Failure {
     if (json) {
       error_["exit_code"] = code;
       try {
-        print_out(Json({{"schema", kReportVersion}, {"error", error_}}).text() + "\n");
+        print_out(text_of({{"schema", kReportVersion}, {"error", error_}}));
         finish_out();
       } catch (const BrokenPipe&) {
         end_by_broken_pipe();

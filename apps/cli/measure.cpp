@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include "option_groups.h"
+#include "sansmesh/io/formats.h"
 #include "surface_input.h"
 
 namespace sansmesh::cli {
@@ -36,7 +37,7 @@ Command add_measure(CommandLine& app) {
   c.add_option(
        "input", input->files,
        "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume (their mesh is measured); several meshes are one body")
-      .type_name("FILE")
+      .reads(endings_read(kPoints | kFunction))
       .required();
   c.footer(
       "Volumes need a closed surface. Borders that lie on each other, edge on edge, count as joined. Components are\n"

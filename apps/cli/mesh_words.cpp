@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include "command_line.h"
+#include "sansmesh/io/formats.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -27,7 +28,7 @@ TriangleMesh MeshInput::read(Console& console) {
 }
 
 void MeshInput::add_to(CommandLine& c) {
-  c.add_option("input", file, "Mesh").type_name("FILE").required();
+  c.add_option("input", file, "Mesh").reads(endings_read(kPoints)).required();
   c.tells({told<ReadMesh>("input")});
 }
 
@@ -39,6 +40,11 @@ void warn_of_losses(const std::string& input, const ReadReport& read, const std:
 void warn_of_losses(const std::string& input, const ReadReport& read, const std::string& output, const PointSet& points,
                     Console& console) {
   warn_of(input, read, output, left_out(output, points), console);
+}
+
+void tell_mesh(const std::string& file, const TriangleMesh& mesh, Console& console) {
+  console.progress().finish();
+  if (console.options().json) console.tell(WrittenMesh(file, mesh), "output");
 }
 
 void say_mesh(const std::string& file, const TriangleMesh& mesh, std::size_t components, bool closed,

@@ -1,4 +1,4 @@
-// Lines about meshes and their files, shared by all commands.
+// Meshes of files as commands read, write and tell of them.
 #pragma once
 
 #include <string>
@@ -30,6 +30,8 @@ void warn_of_losses(const std::string& input, const ReadReport& read, const std:
 void warn_of_losses(const std::string& input, const ReadReport& read, const std::string& output, const PointSet& points,
                     Console& console);
 
+/// Tells of a mesh that was written, as `output`. The stage of the progress ends.
+void tell_mesh(const std::string& file, const TriangleMesh& mesh, Console& console);
 /// "a.ply: 1,234 triangles, 620 vertices in 1 component, closed".
 void say_mesh(const std::string& file, const TriangleMesh& mesh, std::size_t components, bool closed, Console& console);
 

@@ -30,22 +30,14 @@ void run_normals(const NormalsArguments& a, Console& console) {
   const std::string name = a.input.name();
   PointSet given = a.input.read(console, read);
   const NormalsResult made = naming(name, console, [&] { return normals(std::move(given), a.options, progress); });
-  const NormalsReport& r = made.report;
   console.note(name, made.notes);
   progress.begin("write");
   write_points(a.output, made.points, {.ascii = a.ascii});
   console.tell(a.input.told(read, made.points.size()), "input");
-  console.tell(r);
+  console.tell(made.report);
   console.tell(ToldFile{a.output}, "output");
-
-  console.say(fmt::format("{}: {}, spacing {}, noise {} ({})", name, counted(made.points.size(), "point"),
-                          length(r.spacing), noise_words(r.noise, r.spacing), read.format));
-  console.say(fmt::format("{}: normals {}{}{}", a.output,
-                          r.neighbours ? fmt::format("from {} neighbours", *r.neighbours) : "of the file",
-                          r.oriented_by ? fmt::format(", signs {}", orientation_words(*r.oriented_by))
-                                        : std::string(", signs left as they are"),
-                          r.unknown > 0 ? fmt::format(", {} unknown (zero)", grouped(r.unknown)) : ""));
-  console.say(fmt::format("checked: {}", r.check.words));
+  console.say(fmt::format("{} ({}) → {}", name, read.format, a.output));
+  console.say(summary_of(made));
 }
 
 }  // namespace
@@ -56,7 +48,7 @@ Command add_normals(CommandLine& app) {
   NormalsArguments& a = *shared;
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a.output, "Points to write: " + listed_endings(endings_written(kPoints)))
-      .type_name("FILE")
+      .writes(endings_written(kPoints))
       .required();
   add_ascii_flag(c, a.ascii);
   add_schema(c, a.options);

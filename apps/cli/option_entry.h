@@ -25,8 +25,9 @@ struct OptionEntry {
   Kind kind = Kind::flag;
   std::string value_name = "VALUE";
   std::string group = "Options";
-  std::vector<std::string> words;    ///< the only ones that are taken; any if there are none
-  std::vector<std::string> endings;  ///< of files, with dots; those that `what` names if there are none
+  std::vector<std::string> words;                             ///< the only ones that are taken; any if there are none
+  enum class File { none, read, written } file = File::none;  ///< whether its value names one
+  std::vector<std::string> endings;                           ///< of these, with dots; any if there are none
   bool required = false;
   bool advanced = false;               ///< in this command: help names it, and shows it where all is asked for
   bool repeated = false;               ///< may be given several times
@@ -54,9 +55,7 @@ struct OptionEntry {
   bool positional() const { return names[0][0] != '-'; }
   /// "--output", or the name of what is told from its place.
   const std::string& name() const { return names.back(); }
-  bool is_file() const { return value_name == "FILE" || value_name == "DATA" || value_name == "TETS"; }
-  /// Endings of the files that fit: the given ones, or those that the description names.
-  std::vector<std::string> file_endings() const;
+  bool is_file() const { return file != File::none; }
 };
 
 }  // namespace sansmesh::cli

@@ -4,11 +4,11 @@
 
 #include <vector>
 
+#include "mesh_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 #include "schema_options.h"
-#include "told_files.h"
 
 namespace sansmesh::cli {
 
@@ -48,23 +48,18 @@ void MeshOutput::write(const TriangleMesh& mesh, Console& console) const {
   progress.begin("write");
   write_mesh(file, mesh, {.ascii = ascii});
   if (!preview.empty()) picture.write(preview, image, look);
-  if (console.options().json) console.tell(WrittenMesh(file, mesh), "output");
+  tell_mesh(file, mesh, console);
 }
 
 void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
   c.tells({told<WrittenMesh>("output")});
-  const Option file =
-      c.add_option("-o,--output", o.file, "Mesh to write: " + listed_endings(endings_written(kMesh))).type_name("FILE");
+  const Option file = c.add_option("-o,--output", o.file, "Mesh to write: " + listed_endings(endings_written(kMesh)))
+                          .writes(endings_written(kMesh));
   if (required) file.required();
   add_preview_option(c, o.preview, "the mesh");
   add_ascii_flag(c, o.ascii);
   add_picture_options(c, o.picture);
   add_wireframe_options(c, o.picture.options);
-}
-
-void add_bar_options(CommandLine& c, bool& no_bar, std::string& unit, const std::string& of) {
-  c.add_flag("--no-bar", no_bar, "Without the colour bar").group("Picture");
-  c.add_option("--unit", unit, "Of " + of + ", at the colour bar").type_name("UNIT").group("Picture");
 }
 
 void add_cloud_options(CommandLine& c, CloudUse& o) {

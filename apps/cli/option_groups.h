@@ -45,8 +45,6 @@ struct MeshOutput {
 };
 /// --output, --preview, --ascii, and those of add_picture_options
 void add_mesh_output(CommandLine& command, MeshOutput& output, bool required = true);
-/// --no-bar, --unit: what `of` says the unit is of.
-void add_bar_options(CommandLine& command, bool& no_bar, std::string& unit, const std::string& of);
 /// What is done to the samples before a fit: --faces, --normals, --orient-by, --align. (--remove-outliers belongs to
 /// the group Surface.)
 void add_cloud_options(CommandLine& command, CloudUse& use);

@@ -292,7 +292,7 @@ class LineReader {
     if (places_.size() < 2 || std::filesystem::exists(places_.back(), ignored)) return "";
     for (const auto& option : at_->options())
       if (option->required && option->values.empty() && !option->positional())
-        for (const std::string& ending : option->file_endings())
+        for (const std::string& ending : option->endings)
           if (places_.back().ends_with(ending))
             return fmt::format(" (did you mean {} {}?)", option->names[0], printable(places_.back(), 60));
     return "";

@@ -24,20 +24,12 @@ void PictureFiles::write(const Image& image, const RenderOptions& made_with) {
   written_.width = part.width, written_.height = part.height;
 }
 
-void set_background(RenderOptions& o, const std::string& word) {
-  using Background = PictureLook::Background;
-  if (word == "transparent") o.look.background = Background::transparent;
-  if (word == "white" || word == "black") {
-    o.look.background = Background::solid;
-    o.look.background_color = word == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0};
-  }
+UsePicture PictureFiles::writer() {
+  return [this](std::size_t, const Image& image, const RenderOptions& made_with) { write(image, made_with); };
 }
 
-void add_background_option(CommandLine& c, std::string& word, const std::string& usual) {
-  c.add_option("--background", word, "gradient, white, black or transparent [" + usual + "]")
-      .one_of({"gradient", "white", "black", "transparent"})
-      .type_name("NAME")
-      .group("Picture");
+void add_background_option(CommandLine& c, PictureArguments& a) {
+  add_schema(c, a.options, {.group = "Picture", .only = {"background"}});
 }
 
 void add_picture_options(CommandLine& c, PictureArguments& a) {
@@ -63,7 +55,7 @@ void add_accessibility_options(CommandLine& c, PictureArguments& a) {
 }
 
 void add_preview_option(CommandLine& c, std::string& file, const std::string& what) {
-  c.add_option("--preview", file, "Also draw " + what + " into this PNG").type_name("FILE");
+  c.add_option("--preview", file, "Also draw " + what + " into this PNG").writes({".png"});
 }
 
 }  // namespace sansmesh::cli

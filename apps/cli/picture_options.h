@@ -35,8 +35,10 @@ class PictureFiles {
  public:
   PictureFiles(const PictureArguments& arguments, std::string output, bool several, Console& console)
       : arguments_(arguments), output_(std::move(output)), several_(several), console_(console) {}
-  /// The next one, of which the part is written that was asked for.
+  /// Writes the next picture, or the part of it that --crop asks for.
   void write(const Image& image, const RenderOptions& made_with);
+  /// The same, for jobs that hand pictures over.
+  UsePicture writer();
   const WrittenPictures& written() const { return written_; }
 
  private:
@@ -47,10 +49,8 @@ class PictureFiles {
   WrittenPictures written_;
 };
 
-/// gradient, white, black or transparent, as --background has it.
-void set_background(RenderOptions& options, const std::string& word);
 /// --background
-void add_background_option(CommandLine& command, std::string& word, const std::string& usual = "gradient");
+void add_background_option(CommandLine& command, PictureArguments& arguments);
 /// --width, --height, --view, --azimuth, --elevation, --z-up, --field-of-view, --orthographic, --scale-bar, --look-at,
 /// --zoom, --look-radius, --clip-box, --crop
 void add_picture_options(CommandLine& command, PictureArguments& arguments);

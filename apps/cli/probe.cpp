@@ -9,12 +9,10 @@
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 
 namespace sansmesh::cli {
 namespace {
-
-/// So many points are printed as well.
-constexpr std::size_t kPrintedPoints = 20;
 
 struct ProbeArguments {
   std::string input, output;
@@ -58,16 +56,8 @@ void run_probe(const ProbeArguments& a, Console& console) {
   console.tell(r);
   if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
 
-  console.say(fmt::format("{}: {} evaluated, {} inside", a.input, counted(r.points, "point"), grouped(r.inside)));
-  if (r.points > kPrintedPoints) {
-    console.say(fmt::format("|value|: mean {}, median {}, largest {}; largest gradient {:.3f}", length(r.mean),
-                            length(r.median), length(r.largest), r.largest_gradient));
-    return;
-  }
-  console.tell(made.values, "values");
-  for (const ProbedPlace& v : made.values)
-    console.say(fmt::format("({:.8g}, {:.8g}, {:.8g})  value {:.6g}  gradient {}  curvatures {:.4g}, {:.4g}", v.at.x,
-                            v.at.y, v.at.z, v.value, place_words(v.gradient), v.k1, v.k2));
+  console.say_of(a.input, summary_of(made));
+  if (r.points <= kListedPoints) console.tell(made.values, "values");
 }
 
 }  // namespace
@@ -76,13 +66,14 @@ Command add_probe(CommandLine& app) {
   CommandLine& c = app.add_subcommand("probe", "Function file → its value, gradient and curvature at points");
   c.once_called("eval");
   auto a = std::make_shared<ProbeArguments>();
-  c.add_option("input", a->input, "Function, .smf").type_name("FILE").endings({".smf"}).required();
+  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
   c.add_option("--points", a->points.files, "Where: the points of this file; may be repeated (tiles)")
-      .type_name("FILE")
+      .reads(endings_read(kPoints))
       .repeated();
   add_class_options(c, a->points);
   c.add_option("--at", a->at, "Where: at this place, x,y,z; may be repeated").numbers(3).repeated().type_name("POINT");
-  c.add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp").type_name("FILE");
+  c.add_option("-o,--output", a->output, "Points to write with attributes: .ply .csv .pcd .vtp")
+      .writes({".ply", ".csv", ".pcd", ".vtp"});
   add_ascii_flag(c, a->ascii);
   c.footer(
       "The value is about the distance to the surface, negative inside, in the unit of the input. k1 and k2 are the\n"

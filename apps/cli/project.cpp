@@ -63,11 +63,11 @@ Command add_project(CommandLine& app) {
   ProjectArguments& a = *shared;
   add_cloud_input(c, a.input, "Points to move");  // --class: among the samples of --onto, if given
   c.add_option("-o,--output", a.output, "Points to write: " + listed_endings(endings_written(kPoints)))
-      .type_name("FILE")
+      .writes(endings_written(kPoints))
       .required();
   c.add_option("--onto", a.onto.files,
                "Samples of the surface; may be repeated (tiles) [the input itself: this denoises]")
-      .type_name("FILE")
+      .reads(endings_read(kPoints))
       .repeated();
   add_ascii_flag(c, a.ascii);
   add_schema(c, a.options);

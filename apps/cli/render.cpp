@@ -10,6 +10,7 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/surface_function.h"
 #include "schema_options.h"
 #include "surface_options.h"
@@ -21,7 +22,6 @@ struct RenderArguments {
   CloudInput input;
   std::string output;
   PictureArguments picture;
-  std::string background = "gradient";
   SurfaceArguments of_samples;
   PictureOptions options;
   bool as_one = false;
@@ -38,15 +38,6 @@ constexpr ReportRow kToldObject[] = {reported_base<ReadFiles, ToldObject>(), rep
 constexpr ReportSchema kToldObjectSchema{kToldObject};
 const ReportSchema& ToldObject::schema() { return kToldObjectSchema; }
 
-PictureOptions complete_options(const RenderArguments& a) {
-  PictureOptions options = a.options;
-  options.look.picture = a.picture.chosen();
-  set_background(options.look.picture, a.background);
-  options.surface = a.of_samples.chosen();
-  options.validate();
-  return options;
-}
-
 /// The files of each object.
 std::vector<CloudInput> inputs_of(const RenderArguments& a, const PictureOptions& options) {
   if (a.as_one || options.surface || options.splats) return {a.input};
@@ -59,6 +50,7 @@ PictureObject open_object(const CloudInput& input, bool with_lines, Console& con
   const std::string& file = input.files[0];
   PictureObject object{.name = input.name(), .title = std::filesystem::path(file).filename().string()};
   if (input.is_function()) {
+    console.progress().begin("read");
     read.format = "function";
     object.function = read_function(file);
     return object;
@@ -69,26 +61,11 @@ PictureObject open_object(const CloudInput& input, bool with_lines, Console& con
   return object;
 }
 
-void say_surface(const RenderArguments& a, const SurfaceReport& s, Console& console) {
-  const SurfaceMethod& method = surface_method(s.method);
-  console.say(fmt::format("{}: {}, {}, spacing {}, noise {}", a.input.name(), counted(s.samples, "sample"), method.name,
-                          length(s.spacing), length(s.noise)));
-  if (s.smoothing > 0)
-    console.say(fmt::format(
-        "weights {:.2f} spacings wide{}", s.smoothing,
-        method.uses_option("order")
-            ? fmt::format(", order {}, {}", s.order, counted(static_cast<unsigned>(s.iterations), "iteration"))
-            : std::string()));
-}
-
-void report_pictures(const WrittenPictures& p, const RenderReport& r, Console& console) {
-  const std::string size = fmt::format("{} × {} pixels", p.width, p.height);
-  console.say(fmt::format("{}: {}{}{}", p.words(), r.objects.empty() ? "" : counted(r.objects.size(), "object") + ", ",
-                          size, p.files.size() == 1 ? "" : " each"));
-}
-
 void run_render(const RenderArguments& a, Console& console) {
-  const PictureOptions options = complete_options(a);
+  PictureOptions options = a.options;
+  options.look.picture = a.picture.chosen();
+  options.surface = a.of_samples.chosen();
+  options.validate();
   a.picture.check_frames(options.frames.has_value());
   check_writable(a.output, "image");
   Progress& progress = console.progress();
@@ -110,13 +87,17 @@ void run_render(const RenderArguments& a, Console& console) {
     console.tell_value("input.format", read.format);
     console.tell(r);
     console.tell_stages();
-    say_surface(a, *r.surface, console);
+    console.say(fmt::format("{} ({})", a.input.name(), read.format));
+    console.say(summary_of(*r.surface));
   }
   std::vector<ToldObject> objects_told;
   for (std::size_t i = 0; i < r.objects.size(); ++i) objects_told.push_back({inputs[i].told(), r.objects[i]});
   console.tell(objects_told, "objects");
-  console.tell(files.written(), "output");
-  report_pictures(files.written(), r, console);
+  const WrittenPictures& p = files.written();
+  console.tell(p, "output");
+  console.say(fmt::format("{}: {}{} × {} pixels{}", p.words(),
+                          r.objects.empty() ? "" : counted(r.objects.size(), "object") + ", ", p.width, p.height,
+                          p.files.size() == 1 ? "" : " each"));
 }
 
 }  // namespace
@@ -127,15 +108,13 @@ Command add_render(CommandLine& app) {
   RenderArguments& a = *shared;
   c.add_option("input", a.input.files,
                "Meshes, points or functions (.smf): several are objects of one picture, but with --as-one or --surface")
-      .type_name("FILE")
+      .reads(endings_read(kPoints | kFunction))
       .required();
   add_class_options(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
+  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
   add_picture_options(c, a.picture);
-  add_background_option(c, a.background);
-  add_schema(c, a.picture.options, {.group = "Picture", .only = {"smooth", "shadows"}});
-  add_schema(c, a.picture.options, {.group = "Picture", .only = {"antialiasing"}});
-  add_schema(c, a.picture.options, {.group = "Picture", .only = {"point_radius"}});
+  add_background_option(c, a.picture);
+  add_schema(c, a.picture.options, {.group = "Picture", .only = {"smooth", "shadows", "antialiasing", "point_radius"}});
   add_surface(c, a.of_samples, a.options.cloud, "Cast rays at this surface of the samples, without a mesh");
   add_wireframe_options(c, a.picture.options);
   add_line_options(c, a.picture);
@@ -143,11 +122,10 @@ Command add_render(CommandLine& app) {
   add_schema(c, a.options, {.group = "Objects", .only = {"color", "opacity", "name", "legend"}});
   c.add_flag("--as-one", a.as_one, "Several files (tiles) are one object").group("Objects");
   add_schema(c, a.options, {.group = "Colours", .only = {"color_by", "color_range", "bar", "unit"}});
-  const std::vector<std::string_view> of_light = {"reflection", "transmission", "refraction_index"};
-  add_schema(c, a.options.look, {.group = "Surface", .only = of_light});
-  add_schema(c, a.options, {.group = "Surface", .only = {"rays"}});
-  add_schema(c, a.options.look, {.group = "Surface", .only = {"exact_shadows", "quick"}});
-  add_schema(c, a.options, {.group = "Surface", .only = {"splats", "frames"}});
+  add_schema(
+      c, a.options.look,
+      {.group = "Surface", .only = {"reflection", "transmission", "refraction_index", "exact_shadows", "quick"}});
+  add_schema(c, a.options, {.group = "Surface", .only = {"rays", "splats", "frames"}});
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh render surface.ply -o surface.png --view front\n"

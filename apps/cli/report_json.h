@@ -34,6 +34,11 @@ ToldReport told_value(std::string_view key, std::string_view text) {
   return told;
 }
 
+Json json_of_value(const ReportValue& value);
+/// Adds a value to an object, "output.lines" to the object that it holds there.
+void put_value(Json& object, std::string_view key, const ReportValue& value);
+/// Adds an empty list.
+void put_list(Json& object, std::string_view key);
 /// Adds what a report tells to an object, or to what it holds under a key. What there is not is null.
 void put_report(Json& object, std::string_view key, const ReportSchema& schema, const void* report);
 /// Adds a report to a list under a key.

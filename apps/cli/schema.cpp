@@ -1,6 +1,7 @@
 // sansmesh schema: every command with its options, as data for programs.
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
 
@@ -58,11 +59,11 @@ Json json_of_option(const OptionEntry& option) {
   if (option.range) json["range"] = json_of_range(*option.range);
   if (!option.words.empty()) json["choices"] = option.words;
   if (option.numbers > 0) json["numbers"] = option.numbers;
-  if (option.is_file() && !option.file_endings().empty()) json["endings"] = option.file_endings();
+  if (option.is_file() && !option.endings.empty()) json["endings"] = option.endings;
   if (option.implied) json["implied"] = *option.implied;
   if (!option.excludes.empty()) json["excludes"] = option.excludes;
   if (!option.old_names.empty()) json["old_names"] = option.old_names;
-  if (option.is_file()) json["written"] = writes_file(option);
+  if (option.is_file()) json["written"] = (option.file == OptionEntry::File::written);
   if (option.in_order) json["step"] = true;
   if (option.required) json["required"] = true;
   if (option.repeated || option.several) json["repeated"] = true;
@@ -203,7 +204,7 @@ Command add_schema_command(CommandLine& app) {
                                {"flow_integrators", json_of_flow_integrators()},
                                {"body_integrators", json_of_body_integrators()},
                                {"formats", json_of_formats()}};
-            print_out(json.text() + "\n");
+            print_out(text_of(json));
           }};
 }
 

@@ -110,8 +110,8 @@ void add_flag_of_row(CommandLine& c, const OptionRow& row, void* owner, bool val
   OptionEntry& entry = c.add_entry(flag_of_name(value ? row.name : std::string_view(negative)), Kind::flag, what);
   entry.group = how.group;
   entry.row = &row;
-  // The two flags of a pair exclude each other.
   entry.in_order = row.step;
+  // The two flags of a pair exclude each other.
   if (value && row.optional && !row.step) entry.excludes = flag_of_name(negative);
   // A flag that is on by itself has one that turns it off and no other: the old name is that one's.
   if (value != usual && !row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
@@ -136,6 +136,8 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   entry.field = row.name;
   entry.usual = usual;
   entry.value_name = value_name_of(row);
+  if (row.unit == "file") entry.file = OptionEntry::File::read;
+  entry.endings.assign(row.endings.begin(), row.endings.end());
   if (!row.range.words().empty()) entry.range = row.range;
   entry.words.assign(row.choices.begin(), row.choices.end());
   if (row.kind == OptionKind::numbers) entry.numbers = row.count, entry.several = row.count == 0;

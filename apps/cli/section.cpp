@@ -13,6 +13,7 @@
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/measure/section_text.h"
 #include "schema_options.h"
 #include "surface_input.h"
@@ -66,9 +67,10 @@ Command add_section(CommandLine& app) {
   auto a = std::make_shared<SectionArguments>();
   c.add_option("input", a->input.files,
                "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume; several meshes are cut as one")
-      .type_name("FILE")
+      .reads(endings_read(kPoints | kFunction))
       .required();
-  c.add_option("-o,--output", a->output, "Drawing (.svg) or table of vertices (.csv) to write").type_name("FILE");
+  c.add_option("-o,--output", a->output, "Drawing (.svg) or table of vertices (.csv) to write")
+      .writes({".svg", ".csv"});
   add_schema(c, a->options);
   c.add_option("--unit", a->unit, "mm, cm or in: the drawing is true to scale")
       .type_name("UNIT")

@@ -1,8 +1,6 @@
 // sansmesh simulate: tetrahedra that move by forces.
 #include "sansmesh/simulate.h"
 
-#include <fmt/core.h>
-
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,9 +9,8 @@
 
 #include "commands.h"
 #include "option_groups.h"
-#include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/jobs/frame_names.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/jobs/motion_files.h"
 #include "schema_options.h"
 #include "volume_colors.h"
@@ -23,7 +20,7 @@ namespace sansmesh::cli {
 namespace {
 
 struct SimulateArguments {
-  std::string tets, forces, fixed, surface, energies, background = "gradient";
+  std::string tets, forces, fixed, surface;
   MotionFiles files;
   SimulateOptions options;
   std::string volume_file;
@@ -34,10 +31,7 @@ struct SimulateArguments {
 
 /// Throws what keeps the outputs from being written, and ArgumentError for what does not go together.
 void check_simulate(const SimulateArguments& a) {
-  require(!a.files.outputs.empty() || !a.files.animation.empty() || !a.energies.empty(),
-          "nothing would be written: --output, --animation or --energies is wanted");
   a.files.check();
-  if (!a.energies.empty()) check_writable(a.energies, "text");
   require(a.volume_file.empty() || a.files.draws(),
           "--embedded-volume needs pictures: --output NAME.png or --animation");
   require(!a.volume_file.empty() || (a.colors.usual() && a.volume.array.empty()),
@@ -46,54 +40,22 @@ void check_simulate(const SimulateArguments& a) {
   a.picture.chosen().validate();
   a.picture.check_frames(true);
 }
-/// Errors of what the scene says are those of its file, others of the body's.
-template <class Work>
-auto with_files(const SimulateArguments& a, const Console& console, const Work& work) {
-  try {
-    return work();
-  } catch (const SceneError& error) {
-    if (a.forces.empty()) throw;
-    throw FileError(a.forces, console.in_flags(error.what()));
-  } catch (const DataError& error) {
-    throw FileError(a.tets, console.in_flags(error.what()));
-  }
-}
-
-std::shared_ptr<const CarriedSurface> open_surface(const SimulateArguments& a, const TetMesh& rest, Console& console) {
-  try {
-    if (a.surface.empty()) return std::make_shared<const CarriedSurface>(rest);
-    auto surface = std::make_shared<const CarriedSurface>(rest, read_mesh(a.surface));
-    console.note(a.surface, surface->notes());
-    return surface;
-  } catch (const DataError& error) {
-    throw FileError(a.surface.empty() ? a.tets : a.surface, error.what());
-  }
-}
-
-std::optional<CarriedVolume> open_carried_volume(SimulateArguments& a, Console& console) {
-  if (a.volume_file.empty()) return std::nullopt;
-  a.volume.files = {a.volume_file};
-  VolumeModel open = a.volume.open(console);
-  std::vector<Note> notes;
-  CarriedVolume volume;
-  volume.field = open.field(open.as_scalar(open.choice()), console.progress(), notes);
-  console.note(a.volume_file, notes);
-  volume.image = open.samples(console.progress())->lattice.has_value();
-  a.colors.put_into(volume.look);
-  return volume;
-}
 
 /// Opened before anything moves. A volume is seen alone, unless a surface is asked for beside it.
 std::optional<MotionPictures> open_pictures(SimulateArguments& a, const SimulationPlan& plan,
-                                            std::shared_ptr<const CarriedSurface> surface, Console& console) {
+                                            std::optional<CarriedSurface> surface, Console& console) {
   if (!a.files.draws()) return std::nullopt;
-  RenderOptions look = a.picture.chosen();
-  set_background(look, a.background);
-  if (plan.z_up) look.view.up = UpAxis::z;
-  auto volume = open_carried_volume(a, console);
-  if (volume && a.surface.empty()) surface.reset();
-  std::optional<MotionPictures> pictures(std::in_place, plan.rest, std::move(surface), std::move(volume), look);
-  console.note(a.volume_file, pictures->notes());
+  std::optional<CarriedVolume> carried;
+  if (!a.volume_file.empty()) {
+    a.volume.files = {a.volume_file};
+    std::vector<Note> notes;
+    carried = carried_volume(a.volume.open(console), console.progress(), notes);
+    console.note(a.volume_file, notes);
+    a.colors.put_into(carried->look);
+    if (a.surface.empty()) surface.reset();
+  }
+  MotionPictures pictures(plan, std::move(surface), std::move(carried), a.picture.chosen());
+  console.note(a.volume_file, pictures.notes());
   return pictures;
 }
 
@@ -102,45 +64,26 @@ void run_simulate(SimulateArguments& a, Console& console) {
   const SimulationBody body = read_body(a.tets);
   console.warn(a.tets, body.notes());
   a.options.z_up = a.picture.place.z_up;
-  SceneScript scene = read_scene(a.forces, a.fixed, body, a.options.z_up);
-  const SimulationPlan plan =
-      with_files(a, console, [&] { return plan_simulation(body.mesh(), std::move(scene), a.options); });
+  const SimulationPlan plan = plan_simulation(body, read_scene(a.forces, a.fixed, body, a.options.z_up), a.options);
   console.note(a.tets, plan.notes);
-  const auto surface = open_surface(a, *plan.rest, console);
-  std::vector<std::string> results = a.files.names(plan.frames);
-  results.push_back(a.energies);
-  check_inputs_stay({a.tets, a.forces, a.fixed, a.surface, a.volume_file, a.colors.transfer}, results);
-  a.files.check_rate(plan.frame_time);
+  const CarriedSurface surface = read_carried(a.surface, plan);
+  console.note(a.surface, surface.notes());
+  a.files.check(plan, {a.tets, a.forces, a.fixed, a.surface, a.volume_file, a.colors.transfer});
   std::optional<MotionPictures> pictures = open_pictures(a, plan, surface, console);
-  const KeptMotion kept{a.files.draws() || !a.files.outputs.empty(), a.files.writes_tets()};
-  const SimulateResult made =
-      with_files(a, console, [&] { return simulate(plan, kept, !a.energies.empty(), console.progress()); });
+  const SimulateResult made = simulate(plan, a.files.kept(), !a.files.energies.empty(), console.progress());
   console.note(a.tets, made.notes);
-  if (pictures) pictures->show(made.motion, plan.scene);
-  const MotionUse use{.frame_time = plan.frame_time,
-                      .pictures = pictures ? &*pictures : nullptr,
-                      .part = [&](const Image& image) { return a.picture.part(image, a.picture.chosen()); },
-                      .used =
-                          [&](std::size_t frame) {
-                            if (frame > 0) console.keep_frames();
-                          }};
-  std::vector<std::string> files = write_motion(a.files, made.motion, *surface, use, console.progress());
-  if (!a.energies.empty()) {
-    write_text(a.energies, made.report.table());
-    files.push_back(a.energies);
-  }
+  if (pictures) pictures->show(made.motion);
+  MotionUse use{.frame_time = plan.frame_time, .pictures = pictures ? &*pictures : nullptr};
+  use.part = [&](const Image& image) { return a.picture.part(image, a.picture.chosen()); };
+  use.before_more = [&] { console.keep_frames(); };
+  const std::vector<std::string> files = write_motion(a.files, made, surface, use, console.progress());
   console.tell(ToldFile{a.tets}, "input");
   console.tell_value("input.notes", body.notes());
   console.tell(plan);
   console.tell(made.report);
   console.tell_value("output.files", files);
-
-  console.say(fmt::format("{}: {} vertices, {} tetrahedra, {} fixed", a.tets, grouped(plan.rest->vertices.size()),
-                          grouped(plan.rest->tets.size()), grouped(plan.scene.fixed.size())));
   console.say(summary_of(plan, made.report));
-  console.say(fmt::format(
-      "{} of {:.4g} s: {}", counted(plan.frames, "frame"), plan.frame_time,
-      files.size() == 1 ? files[0] : fmt::format("{} files, {} to {}", files.size(), files.front(), files.back())));
+  console.say(WrittenPictures{files}.words() + ": written");
 }
 
 }  // namespace
@@ -149,37 +92,41 @@ Command add_simulate(CommandLine& app) {
   CommandLine& c = app.add_subcommand("simulate", "Tetrahedra that move by forces → frames, pictures, an animation");
   auto shared = std::make_shared<SimulateArguments>();
   SimulateArguments& a = *shared;
-  c.add_option("tets", a.tets, "Tetrahedra: .msh .mesh .node/.ele .veg .vtu, …").type_name("TETS").required();
+  c.add_option("tets", a.tets, "Tetrahedra: .msh .mesh .node/.ele .veg .vtu, …")
+      .type_name("TETS")
+      .reads(endings_read(kTetrahedra))
+      .required();
   c.add_option("--forces", a.forces, "Scene: what holds, pulls and stops the body, material, time (JSON)")
-      .type_name("FILE");
+      .reads({".json"});
   c.add_option("-o,--output", a.files.outputs,
                "Frames to write, NAME_0000.vtu, … (and NAME.pvd), .ply .obj .stl .off .glb .vtp (surface) or .png "
                "(pictures); may be repeated")
-      .type_name("FILE")
+      .writes({".vtu", ".ply", ".obj", ".stl", ".off", ".glb", ".vtp", ".png"})
       .repeated();
   c.add_option("--animation", a.files.animation,
                "Pictures of all frames in one file, an animated PNG that browsers play")
-      .type_name("FILE");
-  c.add_option("--energies", a.energies, "Energies, iterations and contacts of every step: .csv").type_name("FILE");
+      .writes({".png"});
+  c.add_option("--energies", a.files.energies, "Energies, iterations and contacts of every step: .csv")
+      .writes({".csv"});
   c.add_option("--embedded-mesh", a.surface, "Mesh that moves with the tetrahedra, in place of their boundary")
-      .type_name("FILE")
+      .reads(endings_read(kPoints))
       .once_called("--surface");
   const char* const body = "Body";
   c.add_option("--fixed", a.fixed, "List of vertices that stay where they are (.bou), numbered as in TETS")
-      .type_name("FILE")
+      .reads({".bou"})
       .group(body);
   add_schema(c, a.options,
              {.group = body, .only = {"model", "stiffness", "young", "poisson", "damping", "density", "unit"}});
   add_schema(c, a.options, {.group = "Time", .only = {"duration", "fps", "frames", "integrator", "longest_step"}});
   const char* const seen = "Volume";
   c.add_option("--embedded-volume", a.volume_file, "Volume that moves with the tetrahedra, for pictures")
-      .type_name("FILE")
+      .reads()
       .once_called("--volume")
       .group(seen);
   c.add_option("--array", a.volume.array, "Of the volume [the first that varies]").type_name("NAME").group(seen);
   a.colors.add_options(c, seen);
   add_ascii_flag(c, a.files.ascii);
-  add_background_option(c, a.background);
+  add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);
   c.footer(

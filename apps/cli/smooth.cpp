@@ -1,10 +1,6 @@
 // sansmesh smooth: noise taken off a mesh.
 #include "sansmesh/repair.h"
 
-#include <fmt/core.h>
-
-#include <utility>
-
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"
@@ -23,18 +19,12 @@ void run_smooth(SmoothArguments& a, Console& console) {
   a.options.validate();
   a.output.check();
   const SmoothResult made = smooth(a.input.read(console), a.options, console.progress());
-  const SmoothReport& r = made.report;
-  const std::string& file = a.input.file;
-  console.note(file, made.notes);
-  warn_of_losses(file, a.input.report, a.output.file, made.mesh, console);
+  console.note(a.input.file, made.notes);
+  warn_of_losses(a.input.file, a.input.report, a.output.file, made.mesh, console);
   a.output.write(made.mesh, console);
-  console.tell(r);
-
-  console.say(fmt::format("{}: {}, {} vertices, edges {} long on average", file,
-                          counted(made.mesh.triangles.size(), "triangle"), grouped(r.vertices), length(r.mean_edge)));
-  console.say(summary_of(r));
-  console.say(fmt::format("{}: {}{}", a.output.file, counted(static_cast<std::size_t>(r.iterations), "round"),
-                          a.options.creases ? fmt::format(", creases of more than {:.0f}° kept", r.crease_angle) : ""));
+  console.tell(made.report);
+  console.say(a.input.file + " → " + a.output.file + ": " + counted(made.mesh.triangles.size(), "triangle"));
+  console.say(summary_of(made.report));
 }
 
 }  // namespace

@@ -7,9 +7,6 @@
 
 namespace sansmesh::cli {
 
-/// Returns true if the option names a file to write.
-bool writes_file(const OptionEntry& option);
-
 /// Gives `-` and `-.ENDING`, where the command line has them for files, the names by which readers and writers know
 /// standard input and output. Without an ending, output has the first format that the option takes, and the content of
 /// input says what it is, unless the option takes one format only. Throws UsageError where one of both is named twice.

@@ -18,7 +18,6 @@ const ReportSchema& ReadSurface::schema() {
 }
 
 SurfaceInput open_surface(const CloudInput& input, Console& console) {
-  console.progress().begin("read");
   const std::string file = input.name();
   ReadSurface told{input.told()};
   ReadReport read;
@@ -30,7 +29,10 @@ SurfaceInput open_surface(const CloudInput& input, Console& console) {
       told.value = name->value;
       return {std::move(named.surface), file};
     }
-    if (input.is_function()) return {read_function(file), file};
+    if (input.is_function()) {
+      console.progress().begin("read");
+      return {read_function(file), file};
+    }
     return {to_mesh(input.read(console, read)), file};
   };
   AnySurface surface = opened();

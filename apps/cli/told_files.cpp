@@ -1,5 +1,7 @@
 #include "told_files.h"
 
+#include <fmt/core.h>
+
 #include <optional>
 #include <utility>
 
@@ -25,7 +27,7 @@ constexpr ReportRow kWrittenPoints[] = {reported<&WrittenPoints::file>({.text = 
 constexpr ReportRow kWrittenMesh[] = {reported<&WrittenMesh::file>({.text = "File"}),
                                       reported<&WrittenMesh::vertices>({.text = "Vertices of the mesh"}),
                                       reported<&WrittenMesh::triangles>({.text = "Triangles of the mesh"}),
-                                      reported<[](const WrittenMesh& r) { return r.topology.encloses(); }>(
+                                      reported<[](const WrittenMesh& r) { return r.topology.closed(); }>(
                                           {.name = "closed", .text = "Whether the mesh is closed"}),
                                       reported<[](const WrittenMesh& r) { return r.topology.components; }>(
                                           {.name = "components", .text = "Connected parts of the mesh"}),
@@ -56,6 +58,8 @@ WrittenMesh::WrittenMesh(std::string file_name, const TriangleMesh& mesh)
       vertices(mesh.vertices.size()),
       triangles(mesh.triangles.size()),
       topology(measure_topology(mesh)) {}
+
+std::string WrittenPictures::size_line() const { return fmt::format("{}: {} × {} pixels", words(), width, height); }
 
 std::string WrittenPictures::words() const {
   return files.size() == 1 ? files[0] : files.front() + " to " + files.back();

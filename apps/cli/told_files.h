@@ -1,4 +1,4 @@
-// What commands tell of the files that they read and write.
+// Reports on files that commands read and write.
 #pragma once
 
 #include <cstddef>
@@ -62,6 +62,8 @@ struct WrittenPictures {
 
   /// "a.png", "a_000.png to a_035.png".
   std::string words() const;
+  /// "a.png: 800 × 600 pixels".
+  std::string size_line() const;
   static const ReportSchema& schema();
 };
 

@@ -40,9 +40,7 @@ void run_volume_fit(const VolumeFitArguments& a, Console& console) {
   console.tell(ToldFile{a.output}, "output");
   console.tell_value("output.arrays", arrays);
 
-  console.say(method_line(volume));
-  console.say(fmt::format("{}: {} ({})", volume.name(), counted(r.samples, "sample"),
-                          volume.samples(console.progress())->facts.grid));
+  console.say(summary_of(volume, console.progress()));
   if (!r.by_degree.empty())
     console.say(fmt::format("polynomials of degree 0 to {}: {}", r.by_degree.size() - 1, fmt::join(r.by_degree, ", ")));
   console.note(volume.name(), made.notes);
@@ -57,7 +55,7 @@ Command add_volume_fit(CommandLine& volume) {
       volume.add_subcommand("fit", "Volume on any grid → fitted volume, which all others start from at once");
   auto a = std::make_shared<VolumeFitArguments>();
   add_volume_input(c, a->input);
-  c.add_option("-o,--output", a->output, "Fitted volume to write: .smv").type_name("FILE").required();
+  c.add_option("-o,--output", a->output, "Fitted volume to write: .smv").writes({".smv"}).required();
   add_schema(c, a->options);
   c.footer(
       std::string(kReadableVolumes) +

@@ -22,7 +22,7 @@ VolumeModel VolumeInput::open(Console& console) const {
 }
 
 void add_volume_files(CommandLine& c, VolumeInput& input) {
-  c.add_option("data", input.files, "Volume; several files are its blocks").type_name("DATA").required();
+  c.add_option("data", input.files, "Volume; several files are its blocks").type_name("DATA").reads().required();
   add_raw_options(c, input.read);
 }
 
@@ -40,21 +40,6 @@ void add_volume_input(CommandLine& c, VolumeInput& input) {
 void add_volume_array(CommandLine& c, VolumeInput& input) {
   add_schema<VolumeModelOptions>(c, input, {.only = {"array"}});
   add_schema(c, input.reconstruction, {.group = "Reconstruction", .only = {"method"}});
-}
-
-std::string method_line(const VolumeModel& volume) {
-  const ReconstructionReport& r = volume.report();
-  return fmt::format("{}: by {}{}", volume.array_name(), r.options.method.value(),
-                     r.why.empty() ? "" : ", since it is " + r.why);
-}
-
-std::string lattice_words(const std::array<std::size_t, 3>& size, double inside) {
-  return fmt::format("{} × {} × {} values, {:.1f} % in the volume", size[0], size[1], size[2], 100 * inside);
-}
-
-std::string samples_line(const VolumeModel& volume, Progress& progress) {
-  const auto samples = volume.samples(progress);
-  return fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid);
 }
 
 bool says_volume(std::vector<std::string>& files) {

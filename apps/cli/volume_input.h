@@ -43,13 +43,6 @@ void add_volume_array(CommandLine& command, VolumeInput& input);
 /// How raw files and those of several steps are read: --dims, --type, …
 void add_raw_options(CommandLine& command, VolumeReadOptions& options);
 
-/// A line: by which method, and why if nobody chose it.
-std::string method_line(const VolumeModel& volume);
-/// "128 × 64 × 64 values, 93.1 % in the volume".
-std::string lattice_words(const std::array<std::size_t, 3>& size, double inside);
-/// A line: "fire.vtu: 1,234 samples (unstructured)".
-std::string samples_line(const VolumeModel& volume, Progress& progress);
-
 /// Takes the word `data` away from the front of files that were given to a command of points. Returns true if it was
 /// there: it says that the files are a volume.
 bool says_volume(std::vector<std::string>& files);

@@ -67,7 +67,7 @@ void run_moments(const IsosurfaceArguments& a, Console& console) {
   console.tell(frames, "frames");
 
   const VolumeModel& first = series.steps[0];
-  console.say(method_line(first));
+  console.say(summary_of(first, progress));
   console.say(fmt::format("{}: {} = {:.6g}{}, {} from {:.6g} to {:.6g}", series.name, first.array_name(), r.value,
                           a.options.value ? "" : " (the middle of the first step's range)",
                           counted(series.steps.size(), "step"), series.times.front(), series.times.back()));
@@ -93,11 +93,9 @@ void run_isosurface(const IsosurfaceArguments& a, Console& console) {
   console.tell(a.input.told(volume, progress), "input");
   console.tell(made.report);
 
-  console.say(method_line(volume));
-  const auto samples = volume.samples(progress);
-  console.say(fmt::format("{}: {} = {:.6g}{} on {} ({})", volume.name(), volume.array_name(), made.report.value,
-                          a.options.value ? "" : " (the middle of its range)", counted(samples->size(), "sample"),
-                          samples->facts.grid));
+  console.say(summary_of(volume, progress));
+  console.say(fmt::format("{} = {:.6g}{}", volume.array_name(), made.report.value,
+                          a.options.value ? "" : " (the middle of its range)"));
   say_mesh(a.output.file, made.mesh, r.components, r.closed, console);
   console.say(area_words(r.area, r.volume) +
               (r.volume ? "" : " (--closed gives the volume of what is above the value)"));

@@ -17,9 +17,6 @@
 namespace sansmesh::cli {
 namespace {
 
-/// So many points are printed as well.
-constexpr std::size_t kPrintedProbes = 20;
-
 struct ProbeArguments {
   VolumeInput input;
   std::string points, output;
@@ -33,7 +30,7 @@ void run_probe(const ProbeArguments& a, Console& console) {
     check_writable(a.output, "text");
   }
   const std::vector<Vec3> x = a.points.empty() ? places_at(a.at) : read_point_table(a.points);
-  require(!a.output.empty() || x.size() <= kPrintedProbes || console.options().json,
+  require(!a.output.empty() || x.size() <= kListedPoints || console.options().json,
           "so many points need a table to write: -o FILE.csv");
   VolumeModel volume = a.input.open(console);
   const ProbeResult p = probe_volume(volume, x, console.progress());
@@ -48,15 +45,9 @@ void run_probe(const ProbeArguments& a, Console& console) {
   console.tell(p.report);
   if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
 
-  console.say(method_line(volume));
-  console.say(fmt::format("{}: {}, {} in the volume", volume.name(), counted(n, "point"), grouped(p.report.inside)));
-  if (n <= kPrintedProbes) {
-    const std::vector<ProbedValue> values = probed_values(p);
-    console.tell(values, "values");
-    for (const ProbedValue& v : values)
-      console.say(fmt::format("({:.8g}, {:.8g}, {:.8g})  {} {:.8g}  gradient {}{}", v.at.x, v.at.y, v.at.z, v.name,
-                              v.value, place_words(v.gradient), v.inside ? "" : "  outside"));
-  }
+  console.say(summary_of(volume, console.progress()));
+  console.say(summary_of(p));
+  if (n <= kListedPoints) console.tell(probed_values(p), "values");
   if (!a.output.empty()) console.say(fmt::format("{}: {}", a.output, counted(n, "row")));
 }
 
@@ -66,10 +57,10 @@ Command add_volume_probe(CommandLine& volume) {
   CommandLine& c = volume.add_subcommand("probe", "Values and gradients of a volume at points");
   auto a = std::make_shared<ProbeArguments>();
   add_volume_input(c, a->input);
-  c.add_option("--points", a->points, "Where: a table with columns x, y, z, or any file of points").type_name("FILE");
+  c.add_option("--points", a->points, "Where: a table with columns x, y, z, or any file of points").reads();
   c.add_option("--at", a->at, "Where: at this place, x,y,z; may be repeated").numbers(3).repeated().type_name("POINT");
   c.add_option("-o,--output", a->output, "Table to write (.csv): x,y,z,NAME,NAME_dx,NAME_dy,NAME_dz,inside")
-      .type_name("FILE");
+      .writes({".csv"});
   c.footer(std::string(kReadableVolumes) +
            "\n\nOne row a point, in their order. Outside of the volume `inside` is 0; values there go on from its "
            "boundary.\n\nExamples:\n"

@@ -23,12 +23,11 @@ namespace {
 
 struct VolumeRenderArguments {
   VolumeInput input;
-  std::string output, save_transfer, background = "gradient";
+  std::string output, save_transfer;
   VolumeColors colors;
   PictureContentsOptions contents;
   PictureArguments picture;
   VolumePicturesOptions options;
-  int frames = 0;
 
   VolumePicturesOptions chosen() const;
 };
@@ -36,9 +35,7 @@ struct VolumeRenderArguments {
 VolumePicturesOptions VolumeRenderArguments::chosen() const {
   VolumePicturesOptions o = options;
   o.look.picture = picture.chosen();
-  set_background(o.look.picture, background);
   colors.put_into(o.look);
-  o.look.picture.view.steady = frames > 0;
   o.any_view = !picture.has_view();
   o.validate();
   return o;
@@ -48,19 +45,14 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
   const VolumePicturesOptions options = a.chosen();
   check_writable(a.output, "image");
   if (!a.save_transfer.empty()) check_writable(a.save_transfer, "text");
-  a.picture.check_frames(a.frames > 0);
-  require(a.frames == 0 || a.frames >= 2, "--frames must be at least 2");
+  a.picture.check_frames(options.frames.has_value());
   VolumeModel volume = a.input.open(console);
   Progress& progress = console.progress();
   const PictureContents contents(a.contents, options.look.picture, console.progress());
   console.note({}, contents.notes());
   VolumePictures pictures(volume, options, contents.surfaces(), progress);
-  PictureFiles files(a.picture, a.output, a.frames > 0, console);
-  for (const ViewDirection& view : turntable(pictures.look().picture.view.direction, std::max(1, a.frames))) {
-    RenderOptions made_with = pictures.look().picture;
-    made_with.view.direction = view;
-    files.write(pictures.render(view, progress), made_with);
-  }
+  PictureFiles files(a.picture, a.output, options.frames.has_value(), console);
+  pictures.render(files.writer(), progress);
   console.note(volume.name(), pictures.notes());
   const VolumePictureReport& r = pictures.report();
   const BakeReport* const baked = pictures.baked();
@@ -70,8 +62,7 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
   console.tell(files.written(), "output");
   if (baked) console.tell(*baked, "baked");
 
-  console.say(method_line(volume));
-  console.say(samples_line(volume, progress));
+  console.say(summary_of(volume, progress));
   const auto [lower, upper] = r.transfer.range();
   console.say(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.written().words(), lower, upper,
                           r.why.empty() ? "" : "; " + r.why));
@@ -89,12 +80,12 @@ Command add_volume_render(CommandLine& volume) {
   auto shared = std::make_shared<VolumeRenderArguments>();
   VolumeRenderArguments& a = *shared;
   add_volume_input(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").type_name("FILE").required();
+  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
   a.colors.add_options(c, "Options");
   c.add_option("--save-transfer", a.save_transfer, "Also writes what was used, to be changed and given to --transfer")
-      .type_name("FILE");
+      .writes({".json"});
   add_schema(c, a.contents);
-  add_schema(c, a.options, {.without = {"preset", "opacity_factor", "iso", "bar", "label", "unit", "title"}});
+  add_schema(c, a.options, {.without = {"preset", "opacity_factor", "iso", "bar", "label", "unit", "title", "frames"}});
   add_schema(c, a.options, {.group = "Picture", .only = {"bar", "label", "unit", "title"}});
   c.add_option_function(
        "--axes", [&o = a.options.look](const std::string& unit) { o.axes = true, o.unit = unit; },
@@ -102,10 +93,8 @@ Command add_volume_render(CommandLine& volume) {
       .type_name("UNIT")
       .without_value("")
       .group("Picture");
-  add_background_option(c, a.background);
-  c.add_option("--frames", a.frames, "Turntable: so many pictures around the up axis, NAME_000.png, …")
-      .type_name("COUNT")
-      .group("Picture");
+  add_background_option(c, a.picture);
+  add_schema(c, a.options, {.group = "Picture", .only = {"frames"}});
   add_picture_options(c, a.picture);
   c.footer(std::string(kReadableVolumes) +
            "\n\nExamples:\n"

@@ -34,7 +34,7 @@ void run_resample(const ResampleArguments& a, Console& console) {
   console.tell(a.input.told(volume, console.progress()), "input");
   console.tell(ToldFile{a.output}, "output");
   console.tell(made.report);
-  console.say(method_line(volume));
+  console.say(summary_of(volume, console.progress()));
   console.say(a.output + ": " + lattice_words(made.report.size, made.report.inside));
 }
 
@@ -45,7 +45,7 @@ Command add_volume_resample(CommandLine& volume) {
   auto a = std::make_shared<ResampleArguments>();
   add_volume_input(c, a->input);
   c.add_option("-o,--output", a->output, "Image to write: .vti (with the array `inside`), .mhd, .mha or .nrrd")
-      .type_name("FILE")
+      .writes({".vti", ".mhd", ".mha", ".nrrd"})
       .required();
   add_schema(c, a->options);
   c.add_flag_callback(

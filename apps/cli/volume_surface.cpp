@@ -15,6 +15,7 @@
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/volume_pictures.h"
 #include "schema_options.h"
@@ -28,11 +29,10 @@ struct VolumeSurfaceArguments {
   SurfaceInVolumeOptions options;
   MeshInVolumeOptions meshing;
   SurfaceInVolumeLook look;
-  std::string output, points, background = "gradient", unit;
+  std::string output, points;
   std::optional<double> distance;
   PictureArguments picture;
-  bool ascii = false, quick = false, no_bar = false;
-  int frames = 0;
+  bool ascii = false;
 
   bool to_picture() const { return output.size() > 4 && output.ends_with(".png"); }
   /// Throws what keeps the outputs from being written, and ArgumentError for what does not go together.
@@ -41,11 +41,8 @@ struct VolumeSurfaceArguments {
 
 void VolumeSurfaceArguments::check() const {
   require(!output.empty() || !points.empty(), "--output or --points-output is needed");
-  require(frames == 0 || frames >= 2, "--frames must be at least 2");
-  require(to_picture() || (options_set(look).empty() && frames == 0),
-          "--color-by, --sharp and --frames need a picture");
+  require(to_picture() || options_set(look).empty(), "--color-by, --sharp and --frames need a picture");
   require(to_picture() || !picture.any(), "options of the picture need one: -o FILE.png");
-  require(!look.color_by.empty() || (unit.empty() && !no_bar), "--unit and --no-bar are of the bar of --color-by");
   require(!distance || !points.empty(), "--point-spacing needs --points-output");
   require(!distance || *distance > 0, "--point-spacing must be positive");
   require(output != points, "--output and --points-output are the same file");
@@ -55,38 +52,19 @@ void VolumeSurfaceArguments::check() const {
   meshing.validate();
   look.validate();
   if (to_picture()) picture.chosen().validate();
-  picture.check_frames(frames > 0);
-}
-
-/// The colour bar beside the pictures.
-std::optional<ColorBar> bar_of(const VolumeSurfaceArguments& a, const std::optional<ShownColors>& shown) {
-  if (!shown || a.no_bar) return std::nullopt;
-  if (shown->curvature) return curvature_bar(*shown->curvature, shown->range, a.unit, true);
-  return ColorBar{shown->colors, with_unit(a.look.color_by, a.unit), shown->ends};
+  picture.check_frames(look.frames.has_value());
 }
 
 void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
                   Console& console) {
-  SurfaceRenderOptions look;
-  look.picture = a.picture.chosen();
-  set_background(look.picture, a.background);
-  look.plain = a.quick, look.picture.view.steady = a.frames > 0;
-  look.validate();
-  std::vector<Note> notes;
-  const SurfaceInVolumePictures pictures(surface, volume, a.look, console.progress(), notes);
-  console.note(volume.name(), notes);
-  if (const auto& shown = pictures.colors(); shown && !shown->curvature) console.tell(*shown, "colors");
-  const std::optional<ColorBar> bar = bar_of(a, pictures.colors());
-  leave_room(look.picture, bar);
-  PictureFiles files(a.picture, a.output, a.frames > 0, console);
-  for (const ViewDirection& view : turntable(look.picture.view.direction, std::max(1, a.frames))) {
-    look.picture.view.direction = view;
-    files.write(beside_bar(pictures.render(look, console.progress()), bar, look.picture), look.picture);
-  }
-  const WrittenPictures& written = files.written();
-  console.tell(pictures.counts(), "rays");
-  console.tell(written, "output");
-  console.say(fmt::format("{}: {} × {} pixels", written.words(), written.width, written.height));
+  PictureFiles files(a.picture, a.output, a.look.frames.has_value(), console);
+  const DrawnSurfaceInVolume drawn =
+      draw_surface_in_volume(surface, volume, a.look, a.picture.chosen(), files.writer(), console.progress());
+  console.note(volume.name(), drawn.notes);
+  if (drawn.colors && !drawn.colors->curvature) console.tell(*drawn.colors, "colors");
+  console.tell(drawn.rays, "rays");
+  console.tell(files.written(), "output");
+  console.say(files.written().size_line());
 }
 
 void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
@@ -96,27 +74,10 @@ void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfa
   console.note(volume.name(), made.notes);
   console.progress().begin("write");
   write_mesh(a.output, made.mesh, {.ascii = a.ascii});
-  console.tell(WrittenMesh(a.output, made.mesh), "output");
+  tell_mesh(a.output, made.mesh, console);
   console.tell(r);
   say_mesh(a.output, made.mesh, static_cast<std::size_t>(r.mesh.components), r.volume.has_value(), console);
   console.say(area_words(r.area, r.volume));
-}
-
-void say_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& s, const VolumeModel& volume,
-                 Console& console) {
-  const VolumeSurfaceReport& r = s.report;
-  const auto samples = volume.samples(console.progress());
-  const bool steep = a.options.surface.kind == VolumeSurfaceOptions::Kind::high_gradient;
-  console.say(
-      fmt::format("{}: {}, {} of {} ({})", volume.name(),
-                  steep ? fmt::format("steepest {}, from {:.4g} per length", volume.array_name(), r.least_gradient)
-                        : fmt::format("{} = {:.6g}{}", volume.array_name(), s.value,
-                                      a.options.value ? "" : " (the middle of its range)"),
-                  counted(r.samples, "sample"), grouped(samples->size()), samples->facts.grid));
-  console.say(fmt::format(
-      "spacing {}, weights {:.2f} spacings wide{}", length(r.spacing), r.smoothing,
-      r.noise_distance > 0 ? fmt::format(", noise moves the surface by {}", length(r.noise_distance)) : std::string()));
-  console.note(volume.name(), s.notes);
 }
 
 void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
@@ -128,7 +89,8 @@ void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
   const SurfaceInVolume& surface = *made;
   console.tell(a.input.told(volume, progress), "input");
   console.tell(surface);
-  say_surface(a, surface, volume, console);
+  console.say(summary_of(surface, volume, progress));
+  console.note(volume.name(), surface.notes);
   std::optional<PointSet> points;
   if (!a.points.empty()) points = points_of_surface(surface, a.distance, progress);
   if (a.to_picture())
@@ -148,9 +110,10 @@ Command add_volume_surface(CommandLine& volume) {
   auto shared = std::make_shared<VolumeSurfaceArguments>();
   VolumeSurfaceArguments& a = *shared;
   add_volume_input(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture (.png) or mesh (.ply, .obj, .stl, …) to write").type_name("FILE");
+  c.add_option("-o,--output", a.output, "Picture (.png) or mesh (.ply, .obj, .stl, …) to write")
+      .writes({".png", ".ply", ".obj", ".stl", ".off", ".glb", ".vtp"});
   c.add_option("--points-output", a.points, "Also or only: points spread evenly over the surface, with normals")
-      .type_name("FILE")
+      .writes(endings_written(kPoints))
       .once_called("--points");
   c.add_option("--point-spacing", a.distance, "Distance of these points [the spacing of the samples]")
       .type_name("LENGTH")
@@ -158,13 +121,8 @@ Command add_volume_surface(CommandLine& volume) {
   add_schema(c, a.options, {.only = {"value", "high_gradient"}});
   add_schema(c, a.options.surface, {.group = "Weights", .without = {"high_gradient"}});
   add_schema(c, a.look, {.group = "Picture"});
-  c.add_flag("--quick", a.quick, "One ray a pixel, no shadows").group("Picture");
-  add_background_option(c, a.background);
-  c.add_option("--frames", a.frames, "Turntable: so many pictures around the up axis, NAME_000.png, …")
-      .type_name("COUNT")
-      .group("Picture");
+  add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
-  add_bar_options(c, a.no_bar, a.unit, "the array, or of lengths in curvatures");
   add_schema(c, a.meshing, {.group = "Mesh"});
   c.add_flag("--ascii", a.ascii, "Write text, not binary").group("Mesh");
   c.footer(std::string(kReadableVolumes) +

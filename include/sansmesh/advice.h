@@ -43,7 +43,7 @@ struct SANSMESH_API CloudTraits {
   /// Noise over spacing; 0 without a spacing.
   double noise_ratio() const { return spacing > 0 ? noise / spacing : 0; }
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Measures the samples: O(n), most of it for the outliers, about 2 µs of CPU per sample, and the openness, up to a
@@ -74,8 +74,11 @@ struct SANSMESH_API Advice {
   std::vector<Recommendation> recommendations;
   std::vector<Note> notes;  ///< "preparation": what there is to say of the samples
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
+
+/// What the samples are like, and what was seen, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const Advice& advice);
 
 /// Advice from traits: what METHODS §8 and docs/methods/which-method.md say of such traits.
 SANSMESH_API Advice advise(const CloudTraits& traits);

@@ -109,7 +109,7 @@ struct SANSMESH_API NoiseEstimate {
   /// Coordinates come in steps of this height, whole neighbourhoods at the same: depths of a sensor with few digits.
   double step = 0;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// The noise in words: "0.0039", "less than 0.0002", "unknown: 0.02 at most, of shape or noise", "unknown: too few
@@ -154,7 +154,7 @@ struct SANSMESH_API GivenNormals {
   std::optional<OrientBy> oriented_by = {};
   double looking_away = 0;  ///< share (0..1) of the normals that looks away from that sensor
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 }  // namespace sansmesh::inline v1

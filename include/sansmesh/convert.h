@@ -203,7 +203,7 @@ struct SANSMESH_API ConvertedBy {
   std::size_t size = 0;                  ///< points or vertices
   std::optional<std::size_t> triangles;  ///< of a mesh
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Numbers of a run of convert().
@@ -213,7 +213,7 @@ struct SANSMESH_API ConvertReport {
   std::size_t triangles = 0;       ///< of what came; 0 of a cloud
   std::vector<ConvertedBy> steps;  ///< after each of them
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Converted cloud or mesh.
@@ -231,10 +231,18 @@ SANSMESH_API void check_converted(const std::string& file, bool points);
 /// FileError.
 SANSMESH_API std::vector<Note> fit_to_format(CloudOrMesh& data, const std::string& file);
 
+/// What of it the format of the file has no room for: "normals", names of attributes.
+SANSMESH_API std::vector<std::string> left_out(const std::string& file, const CloudOrMesh& data);
+/// Writes a cloud or a mesh that fits; `ascii`: as text where the format has both. Throws FileError.
+SANSMESH_API void write_converted(const std::string& file, const CloudOrMesh& data, bool ascii = false);
+
 /// Takes what a file held through all steps, in their order. Throws ArgumentError for bad options, DataError naming the
 /// step where one cannot be done or leaves nothing,
 /// Cancelled.
 SANSMESH_API ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& progress);
+
+/// What came, and what became of it in each step, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const ConvertReport& report);
 
 /// What counts as connected, and which parts are kept.
 struct SANSMESH_API SplitOptions {
@@ -257,11 +265,14 @@ struct SANSMESH_API SplitResult {
   /// no triangle were left out.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Takes a cloud or mesh apart into its connected parts. Throws ArgumentError for bad options, DataError where none is
 /// large enough or there are too many, Cancelled.
 SANSMESH_API SplitResult split(const CloudOrMesh& data, const SplitOptions& options, Progress& progress);
+
+/// How many parts there are, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const SplitResult& made);
 
 }  // namespace sansmesh::inline v1

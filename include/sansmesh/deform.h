@@ -80,7 +80,7 @@ class SANSMESH_API Deformation {
   /// "15 handles, rigid", "by a displacement map"
   std::string words() const;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 
  private:
   struct State;
@@ -119,24 +119,12 @@ struct SANSMESH_API DeformationMapOptions {
   static const OptionSchema& schema();
 };
 
-/// The backward map of a deformation as displacements on a lattice.
-struct DeformationMapResult {
-  GridBlock block;          ///< arrays `displacement` (3 floats) and, where there are gaps, `gap` (1 float)
-  FoldReport folds;         ///< of the map in its box
-  std::vector<Note> notes;  ///< "folded"
-};
-
-/// `before`: the box of what is deformed. Throws ArgumentError for bad options, and where that box has no end;
-/// Cancelled.
-SANSMESH_API DeformationMapResult deformation_map(const Deformation& deformation, const Box3& before,
-                                                  const std::string& name, const DeformationMapOptions& options,
-                                                  Progress& progress);
-
-/// Of finite points.
-SANSMESH_API Box3 bounds_of(const PointSet& points);
+// ---- Options -----------------------------------------------------------------------------------------------------
 
 /// What is made of a thing that is deformed: the same kind of thing (of a solid a mesh), its sections, or a picture.
 enum class DeformAim : std::uint8_t { shape, sections, picture };
+/// What a file is to hold, by its ending: a picture (.png), sections (.svg, .csv), or else a shape.
+SANSMESH_API DeformAim deform_aim(const std::string& file);
 
 /// Options of deformations, whatever is deformed.
 struct SANSMESH_API DeformOptions {
@@ -166,6 +154,8 @@ struct SANSMESH_API DeformOptions {
   static const OptionSchema& schema();
   /// Throws ArgumentError for bad options, and for such as mean nothing to the aim.
   void validate(DeformAim aim) const;
+  /// The same, and for such as mean nothing to the deformation.
+  void validate(DeformAim aim, const Deformation& deformation) const;
   /// Number of poses, 1 or more.
   int poses() const { return frames.value_or(1); }
   /// Of the way, at a pose.
@@ -202,11 +192,11 @@ struct SANSMESH_API DeformReport {
   std::optional<CsgMeshReport> solid;  ///< of the mesh of a solid
   std::vector<Section> sections;       ///< where they were asked for
   std::array<std::size_t, 3> size{};   ///< of a lattice
-  double inside = 1;                   ///< share of its points that are in the volume
+  std::optional<double> inside;        ///< share of its points that are in the volume
   std::uint64_t rays = 0;              ///< of pictures of volumes
   std::uint64_t evaluations = 0;       ///< of the volume, along these rays
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// What came of a deformation; the poses themselves were handed over.
@@ -217,6 +207,24 @@ struct DeformResult {
   /// functions that bound no solid; "mesh", "picture": what there is to say of meshes and pictures that were made.
   std::vector<Note> notes;
 };
+
+/// What was made, in lines for people; none of pictures of volumes.
+SANSMESH_API std::vector<std::string> summary_of(const DeformReport& report);
+
+/// The backward map of a deformation as displacements on a lattice.
+struct DeformationMapResult {
+  GridBlock block;          ///< arrays `displacement` (3 floats) and, where there are gaps, `gap` (1 float)
+  DeformReport report;      ///< folds of the map in its box, and its size
+  std::vector<Note> notes;  ///< "folded"
+};
+
+/// `before`: the box of what is deformed. Throws ArgumentError for bad options, and where that box has no end;
+/// Cancelled.
+SANSMESH_API DeformationMapResult deformation_map(const Deformation& deformation, const Box3& before,
+                                                  const std::string& name, const DeformationMapOptions& options,
+                                                  Progress& progress);
+
+// ---- Things that are deformed ------------------------------------------------------------------------------------
 
 /// A cloud, or a mesh, which is opened along cuts first. `name` stands in notes. Throws ArgumentError for bad options,
 /// DataError that begins with the name where there is nothing to draw, Cancelled.
@@ -235,7 +243,7 @@ struct SANSMESH_API DeformableVolume {
   std::vector<std::shared_ptr<const VolumeField>> fields;  ///< one at least; pictures show the first
   std::vector<std::string> arrays;                         ///< their names
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Of a volume the array that it was opened with, for pictures as a scalar, or `all` arrays of the same samples. Throws
@@ -247,5 +255,27 @@ SANSMESH_API DeformableVolume deformable_volume(const VolumeModel& volume, Defor
 /// floats or nothing comes to be anywhere.
 SANSMESH_API DeformResult deform(const DeformableVolume& volume, const Deformation& deformation, DeformAim aim,
                                  const DeformOptions& options, const UsePose& use, Progress& progress);
+
+/// Kinds of things that can be deformed; of the first meshes, too.
+enum class DeformKind : std::uint8_t { points, solid, volume };
+
+/// What is named by one file or several, or by the expression of a solid, which is told from names alone. Throws
+/// FileError for a file that does not exist.
+SANSMESH_API DeformKind deform_kind(const std::vector<std::string>& names);
+
+/// Throws FileError early, before long work, where what is made of a thing of that kind cannot be written.
+SANSMESH_API void check_deformed(const std::string& file, DeformKind kind);
+
+/// A thing of any kind, as the functions above take it.
+using DeformSubject = std::variant<PointSet, SolidModel, DeformableVolume>;
+
+/// Box around the finite points.
+SANSMESH_API Box3 bounds_of(const PointSet& points);
+/// Box around a thing of any kind; infinite where it has no end.
+SANSMESH_API Box3 bounds_of(const DeformSubject& subject);
+
+/// Calls the one of the functions above that takes it; `name` is that of a cloud.
+SANSMESH_API DeformResult deform(const DeformSubject& subject, const std::string& name, const Deformation& deformation,
+                                 DeformAim aim, const DeformOptions& options, const UsePose& use, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -90,7 +90,7 @@ struct SANSMESH_API Fold {
   double share = 0;  ///< of the volume looked at
   double least = 0;  ///< determinant
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Where a map of space is folded: several places come from one, inside out in between.
@@ -100,7 +100,7 @@ struct SANSMESH_API FoldReport {
   std::vector<Fold> folds;  ///< connected ones, the largest first
   GridBlock determinants;   ///< lattice with an array `determinant` (1 float; NaN outside of that volume)
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// A mesh that was opened along cuts.
@@ -111,7 +111,7 @@ struct SANSMESH_API OpenMeshReport {
   std::size_t unopened = 0;  ///< triangles that a cut crosses in too complicated a way, after all refinements
   std::size_t unclosed = 0;  ///< cuts that left something open: meshes as cuts, open meshes
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -82,7 +82,7 @@ struct SANSMESH_API PaperReport {
   std::size_t above = 0;       ///< leaves whose error is above the threshold, or with two sheets
   std::size_t balanced = 0;    ///< leaves that only balance subdivides: the mesh's blocks have their function
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Gradients of functions that fit their samples are shorter than this, but for one in a thousand: longer ones come

@@ -117,6 +117,9 @@ struct TraceLinesResult {
   std::vector<Note> notes;
 };
 
+/// Lines, seeds and ends, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const TraceLinesResult& made);
+
 /// Names of the arrays that the points will have. Throws ArgumentError for such as the flow has not.
 SANSMESH_API std::vector<std::string> arrays_along_lines(const FlowModel& flow, const TraceLinesOptions& options);
 
@@ -148,8 +151,11 @@ struct SANSMESH_API TraceSurfaceResult {
   /// "outside": particles that began out of the flow.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
+
+/// Particles and fronts, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const FlowSurfaceReport& report);
 
 /// Stream, path, streak and time surfaces from a seed curve; the same bytes for any number of threads. Throws
 /// ArgumentError for bad options, FileError for seeds of a file, DataError that begins with the flow's source where no

@@ -102,7 +102,7 @@ struct SANSMESH_API FlowLineReport {
   std::array<std::size_t, 6> ends{};   ///< of path lines, by TraceEnd
   double longest = 0;                  ///< length
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 // ---- Surfaces ----------------------------------------------------------------------------------------------------
@@ -180,7 +180,7 @@ struct SANSMESH_API FlowSurfaceReport {
   bool moments_meet = false;          ///< fronts were so near in time that their moments are the same number
   double spacing = 0;                 ///< Δ₀
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Vertex i of the mesh is points[i]. Neighbours share vertices; there are none without a triangle. Attributes of the

@@ -56,7 +56,7 @@ struct SANSMESH_API FlowPicturesResult {
   int width = 0, height = 0;  ///< of each picture
   std::vector<Note> notes;    ///< those of trace_surface; "reconstruction"
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Throws ArgumentError for what the flow has not, before long work.

@@ -99,7 +99,7 @@ struct SANSMESH_API EditReport {
   std::vector<Box3> regions;
   std::string what;  ///< one line for people to read
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// How the mesh of an edited function was made.
@@ -110,7 +110,7 @@ struct SANSMESH_API MeshUpdate {
   std::size_t regions = 0;  ///< apart from each other, that were cut out again
   std::string why;          ///< why the whole was made anew, for people to read; empty if it was not
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Why a place should not be trusted without a look.

@@ -41,7 +41,7 @@ struct SANSMESH_API FitFunctionReport {
   std::optional<OrientBy> oriented_by;  ///< from what the normals got their signs; nothing: from the input
   std::string alignment;  ///< what was done to scans, in words; empty where nothing was asked for (CloudUse::align)
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Function of samples.
@@ -77,15 +77,18 @@ struct SANSMESH_API ProbeFunctionReport {
   double largest = 0;           ///< distance (length)
   double largest_gradient = 0;  ///< norm; near the surface about 1 where the function is sound
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Values of a function at one place.
 struct SANSMESH_API ProbedPlace : LevelSetPoint {
   Vec3 at;  ///< in the coordinates of the input
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
+
+/// Of so many points results list each.
+inline constexpr std::size_t kListedPoints = 20;
 
 /// Values of a function at places.
 struct SANSMESH_API ProbeFunctionResult {
@@ -102,6 +105,9 @@ struct SANSMESH_API ProbeFunctionResult {
 /// Evaluates a function at places in the input's coordinates. Throws Cancelled.
 SANSMESH_API ProbeFunctionResult probe_function(const SurfaceFunction& function, std::span<const Vec3> places,
                                                 Progress& progress);
+
+/// The points inside and, of twenty at most, each with its values, else statistics; in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const ProbeFunctionResult& probed);
 
 /// Positions of points in coordinates of the input: origin + position.
 SANSMESH_API std::vector<Vec3> places_of(const PointSet& points);
@@ -123,7 +129,7 @@ struct SANSMESH_API EditedFunction {
   TriangleMesh mesh = {};         ///< of the function; empty unless asked for
   MeshUpdate update = {};         ///< what of it is new; of one that was made without another nothing is told
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Edits a function, one edit after the other; with `make_mesh` also its mesh as the edits leave it. Throws
@@ -141,7 +147,7 @@ struct SANSMESH_API ListedPlace {
   /// The place's `worst` in words: "coverage down to 0.12".
   std::string worst_words() const;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Suspicious places of a function, with edits to try.
@@ -151,7 +157,7 @@ struct SANSMESH_API DiagnoseResult {
   std::vector<ListedPlace> places;  ///< the same places, numbered
   std::vector<Edit> edits;          ///< to try, one for each place that has a step
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Looks for places where a function should not be trusted without a look (METHODS §3.1,
@@ -159,6 +165,9 @@ struct SANSMESH_API DiagnoseResult {
 /// surface; Cancelled.
 SANSMESH_API DiagnoseResult diagnose(const SurfaceFunction& function, const DiagnoseOptions& options,
                                      Progress& progress);
+
+/// The places, kind by kind, in lines for people; `steps`: with the number of the edit that may mend each.
+SANSMESH_API std::vector<std::string> summary_of(const DiagnoseResult& made, bool steps);
 
 /// Facts of a function. Lengths and places in the unit of the input.
 struct SANSMESH_API FunctionInfo {
@@ -178,7 +187,7 @@ struct SANSMESH_API FunctionInfo {
   std::vector<std::string> history;  ///< edits that made it, one line each
   std::optional<PaperReport> paper;  ///< of FitMethod::paper: how its blocks came to be; files do not keep it
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// What is known of a function, without evaluating it.

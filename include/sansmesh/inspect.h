@@ -81,7 +81,7 @@ struct SANSMESH_API AlignResult {
   /// say of a mesh that was made.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Finds the motion that brings `moving` onto `fixed` (docs/methods/alignment.md) and applies it, after `before`.
@@ -115,24 +115,24 @@ struct SANSMESH_API CompareOptions {
 /// Numbers of a run of compare().
 struct SANSMESH_API CompareReport {
   MapSide on = MapSide::part;                 ///< the side that is mapped
-  std::optional<double> tolerance;            ///< as asked for (length)
+  std::optional<double> within;               ///< as asked for (length)
   double diagonal = 0;                        ///< of the box of the reference (length)
   std::optional<SurfaceAlignment> alignment;  ///< if the part was aligned
   AffineMap motion;                           ///< of the part, if it was aligned
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Map of the distances between two surfaces.
 struct SANSMESH_API CompareResult {
   TriangleMesh mesh;     ///< of the part or the reference, with the attribute of distances and their colours
   DistanceMap map;       ///< of its vertices
-  CompareReport report;  ///< size of the reference, and the alignment
+  CompareReport report;  ///< what was compared, and the alignment
   /// Those of align; "edges_stay_long": refining would take too many triangles; "coarse": only corners of large
   /// triangles are compared; "no_sign": the other side is points without normals.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Compares a part with a reference: statistics and colours of signed distances, positive outside of the reference.
@@ -160,7 +160,7 @@ struct SANSMESH_API AssessReport {
   std::optional<SurfaceDistance> distance;  ///< with a reference: how far apart they are
   std::optional<MeshCoverage> coverage;     ///< with a reference: of a mesh whose reference is a cloud or a meshed scan
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Assessment of a mesh.
@@ -224,7 +224,7 @@ struct SANSMESH_API SectionResult {
   /// "open_curves": the surface has borders there.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Cuts a surface with planes; of a function the curves of the function itself, without a mesh. Throws ArgumentError

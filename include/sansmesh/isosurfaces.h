@@ -44,7 +44,7 @@ struct SANSMESH_API VolumeIsosurfaceReport {
   double value = 0;                     ///< on the surface
   IsosurfaceReport mesh;                ///< how it was cut out
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// An isosurface as a mesh.
@@ -80,7 +80,7 @@ struct SANSMESH_API IsosurfaceMoment {
   bool closed = true;                                       ///< no edge is open
   double area = 0, volume = 0;                              ///< length², length³
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// What became of a surface that changes.
@@ -91,7 +91,7 @@ struct SANSMESH_API IsosurfaceMomentsReport {
   double cell = 0, time_cell = 0;         ///< edge and duration of the smallest blocks
   std::vector<IsosurfaceMoment> moments;  ///< in their order
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// A surface that changes; its meshes were handed over.
@@ -134,7 +134,7 @@ struct SANSMESH_API SurfaceInVolume {
   /// "resolved": the values are so smooth that an isosurface of the reconstruction is nearer.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Of the array that the volume was opened with: of a component, or lengths of vectors. Throws ArgumentError for bad
@@ -142,6 +142,10 @@ struct SANSMESH_API SurfaceInVolume {
 /// Cancelled.
 SANSMESH_API SurfaceInVolume surface_in_volume(const VolumeModel& volume, const SurfaceInVolumeOptions& options,
                                                Progress& progress);
+
+/// Value, samples and weights, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const SurfaceInVolume& surface, const VolumeModel& volume,
+                                                 Progress& progress);
 
 /// Its mesh.
 struct SANSMESH_API MeshInVolumeOptions {
@@ -161,7 +165,7 @@ struct SANSMESH_API MeshInVolumeReport {
   double area = 0;               ///< length²
   std::optional<double> volume;  ///< enclosed, where the mesh is closed
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Its mesh with what there is to say of it.

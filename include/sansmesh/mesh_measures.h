@@ -52,7 +52,7 @@ struct SANSMESH_API MeshTopology {
     return static_cast<long>(components) - (euler + static_cast<long>(boundary_loops)) / 2;
   }
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Counts them. Time and memory linear in the size of the mesh, in parallel.
@@ -74,7 +74,7 @@ struct SANSMESH_API MeshQuality {
   /// length³, by the divergence theorem; positive if the triangles face outward. Meaningless for open meshes.
   double volume = 0;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Measures them. Deterministic for any number of threads.
@@ -93,7 +93,7 @@ struct SANSMESH_API OneWayDistance {
   /// The same between the normals, with regard to their signs (degrees, 0..180).
   std::optional<double> signed_angle;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// How far two surfaces are apart, both ways.
@@ -112,7 +112,7 @@ struct SANSMESH_API FarPlaces {
   double share = 0;           ///< of the places that are far, 0..1
   std::optional<Vec3> most;   ///< one around which most of those lie (input); nothing where none is far
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// What a mesh leaves out of its samples, and what it makes up.
@@ -122,7 +122,7 @@ struct SANSMESH_API MeshCoverage {
   FarPlaces lost;      ///< samples without a surface
   FarPlaces invented;  ///< surface without samples
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Where the search for the motion begins.
@@ -199,7 +199,7 @@ struct SANSMESH_API SurfaceAlignment {
   /// their points are within.
   double size_ratio = 1;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -92,7 +92,7 @@ struct SANSMESH_API MeshReport {
   std::optional<Vec3> most_lost;      ///< if that is more than one in a hundred: where most of them are
   std::vector<std::string> warnings;  ///< what could not be as it was asked for, a sentence each
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// What the mesh of a solid should be like. Lengths in the unit of its expression.
@@ -139,7 +139,7 @@ struct SANSMESH_API CsgMeshReport {
   double largest_error = 0;    ///< distance of the triangles' middles from the surface: largest (length)
   std::vector<std::string> warnings;  ///< what could not be as it was asked for, a sentence each
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -34,7 +34,7 @@ enum class OptionKind : std::uint8_t {
   numbers,  ///< a list of `count` numbers, or of any number of them where that is 0
   texts,    ///< a list of texts
   group,    ///< a struct of options
-  steps     ///< a list of what is done one after the other; its rows are what may be
+  steps     ///< a list of steps, done one after the other; its rows are the kinds of steps
 };
 
 /// Numbers that an option takes. An end that is excluded is approached only.
@@ -289,8 +289,8 @@ constexpr OptionRow option_group(std::span<const OptionRow> rows, const OptionFa
   return row;
 }
 
-/// The row of what may be done in a list of steps: `make` makes one of a value, `[](const OptionValue& value) -> Step`.
-/// Of a flag the value is true.
+/// The row of one kind of step: `make` makes a step of a value, `[](const OptionValue& value) -> Step`. The value of a
+/// flag is true.
 template <class Step, auto make>
 constexpr OptionRow option_step(OptionKind kind, const OptionFacts& facts, int count = 1) {
   OptionRow row;
@@ -305,7 +305,7 @@ constexpr OptionRow option_step(OptionKind kind, const OptionFacts& facts, int c
   return row;
 }
 
-/// A list of steps, and what they may be: a row each.
+/// A list of steps; a row for each kind.
 template <auto member>
 constexpr OptionRow option_steps(std::span<const OptionRow> rows) {
   OptionRow row = option_group<member>(rows);

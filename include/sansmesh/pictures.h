@@ -14,6 +14,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/point_set.h"
+#include "sansmesh/points.h"
 #include "sansmesh/polyline_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render_options.h"
@@ -85,7 +86,7 @@ struct SANSMESH_API DrawnObject {
   std::string color;                   ///< "#rrggbb", or "own"
   double opacity = 1;                  ///< 0..1
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Report on pictures of objects.
@@ -95,7 +96,7 @@ struct SANSMESH_API RenderReport {
   std::optional<CastCounts> rays;        ///< of that
   std::optional<std::size_t> splats;     ///< in place of rays
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Outcome of render().
@@ -119,8 +120,7 @@ struct SANSMESH_API LinePictureOptions {
   std::optional<double> tube_radius = {};  ///< length; default: 1/400 of the lines' diagonal
   /// Its width is that of tubes and scale together. Shadows and ground mean nothing: colours are to be read.
   RenderOptions picture = {};
-  bool any_view = true;        ///< nobody chose the view: that of a single layer looks straight at it
-  bool any_background = true;  ///< nobody chose the background: it is light gray
+  bool any_view = true;  ///< nobody chose the view: that of a single layer looks straight at it
 
   /// Without `picture`.
   static const OptionSchema& schema();
@@ -140,7 +140,7 @@ struct SANSMESH_API LinePicture {
   double radius = 0;            ///< of the tubes (length)
   std::size_t triangles = 0;    ///< that the tubes are made of
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Radius of the tubes that lines are drawn as: the given one, or 1/400 of their diagonal. Throws DataError where all
@@ -155,11 +155,15 @@ SANSMESH_API LinePicture line_picture(const PolylineSet& lines, const LinePictur
 /// Picture of a surface that was moved onto another one: the moved surface in orange, the fixed one in gray.
 SANSMESH_API Image draw_alignment(const AlignResult& aligned, RenderOptions picture, Progress& progress);
 
-/// Outcome of draw_map().
+/// A picture with a scale or bar beside it.
 struct MapPicture {
-  Image image;              ///< with its scale
-  RenderOptions made_with;  ///< what the map was drawn with
+  Image image;              ///< with the scale
+  RenderOptions made_with;  ///< what was drawn beside it
 };
+
+/// Picture of curvatures, with the bar if the options ask for one.
+SANSMESH_API MapPicture draw_curvature(const CurvatureResult& made, const CurvatureMapOptions& options,
+                                       const RenderOptions& picture, Progress& progress);
 
 /// Throws ArgumentError where a picture is too narrow for itself and any scale, whose `unit` is that of lengths.
 SANSMESH_API void check_map_picture(const RenderOptions& picture, const std::string& unit);

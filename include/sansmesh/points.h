@@ -33,7 +33,7 @@ struct SANSMESH_API AttributeInfo {
   std::vector<std::optional<std::pair<double, double>>> ranges;
   std::optional<std::size_t> not_finite = {};  ///< numbers; told of arrays of volumes
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Facts of a cloud or mesh. Lengths and places in the unit of the input.
@@ -55,7 +55,7 @@ struct SANSMESH_API CloudInfo {
   std::size_t triangles = 0;         ///< of the file
   std::optional<MeshTopology> mesh;  ///< of what has some, sewn where its borders lie on each other
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Measures a cloud, or the vertices of a mesh. Throws Cancelled.
@@ -82,7 +82,7 @@ struct SANSMESH_API NormalsReport {
   GivenNormals check;                   ///< of what was made
   std::size_t unknown = 0;              ///< samples without a normal: zero
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Samples with normals.
@@ -97,6 +97,9 @@ struct NormalsResult {
 /// is known of what `orient_by` asks for; Cancelled.
 SANSMESH_API NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& progress);
 
+/// What the samples are like, and where the normals come from, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const NormalsResult& made);
+
 /// What is measured, and what the colours show.
 struct SANSMESH_API CurvatureMapOptions {
   CurvatureQuantity color_by = CurvatureQuantity::mean;  ///< what the colours show
@@ -104,6 +107,8 @@ struct SANSMESH_API CurvatureMapOptions {
   /// sample in twenty.
   std::optional<double> color_range = {};
   CurvatureOptions estimation = {};  ///< its noise is estimated where it is not given
+  bool bar = true;                   ///< in pictures: a colour bar
+  std::string unit = {};             ///< of lengths, at the bar
 
   static const OptionSchema& schema();  ///< a row a field
   /// Throws ArgumentError naming the field.
@@ -122,7 +127,7 @@ struct SANSMESH_API CurvatureReport {
   double color_range = 0;                                ///< the value that gets the full colour
   bool beyond_range = false;                             ///< some are larger
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Samples with curvatures.
@@ -139,6 +144,9 @@ struct CurvatureResult {
 /// Curvatures at samples, or at the vertices of a mesh: per length of the input, positive where the surface is convex.
 /// Throws ArgumentError for bad options, DataError where the points cannot be used (too few, no extent), Cancelled.
 SANSMESH_API CurvatureResult curvature(PointSet points, const CurvatureMapOptions& options, Progress& progress);
+
+/// Samples, and quantiles of the quantity that is shown, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const CurvatureResult& made);
 
 /// Onto which surface points move, or how many new ones are made.
 struct SANSMESH_API ProjectOptions {
@@ -173,7 +181,7 @@ struct SANSMESH_API ProjectReport {
   /// How far points moved, unless new ones were spread; of lop only how many there are.
   SurfaceProjection moved;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Points on a surface.

@@ -50,7 +50,7 @@ struct SANSMESH_API ReconstructReport : MeshReport {
   /// plane. 1 for other surfaces.
   double behind = 1;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Mesh of samples.

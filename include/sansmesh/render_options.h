@@ -71,14 +71,24 @@ struct SANSMESH_API PictureView {
   static const OptionSchema& schema();  ///< a row a field
 };
 
+/// What pictures have behind all that is drawn.
+struct Background {
+  /// A gradient of light grays; one colour; or nothing, where pixels are transparent.
+  enum class Kind : std::uint8_t { gradient, solid, transparent };
+  Kind kind = Kind::gradient;  ///< which of them
+  Vec3f color{1, 1, 1};        ///< sRGB 0..1, of a solid one
+
+  /// One colour, sRGB 0..1.
+  static Background solid(const Vec3f& color) { return {Kind::solid, color}; }
+  /// Nothing.
+  static Background transparent() { return {Kind::transparent}; }
+};
+
 /// Colours, light and lines.
 struct SANSMESH_API PictureLook {
-  /// Kinds of backgrounds.
-  enum class Background : std::uint8_t { gradient, solid, transparent };
-  Background background = Background::gradient;  ///< behind what is drawn
-  Vec3f background_color{1, 1, 1};               ///< sRGB 0..1, for a solid background
-  Vec3f surface_color{0.87f, 0.84f, 0.80f};      ///< sRGB 0..1, where there are no vertex colours
-  bool use_colors = true;                        ///< take the vertex colours where there are some
+  std::optional<Background> background = {};  ///< behind what is drawn; default: a gradient, of lines light gray
+  Vec3f surface_color{0.87f, 0.84f, 0.80f};   ///< sRGB 0..1, where there are no vertex colours
+  bool use_colors = true;                     ///< take the vertex colours where there are some
   /// Edges of triangles as lines, over the shaded surface or alone: then the surface is clear, but hides what of the
   /// same mesh is behind it.
   enum class Wireframe : std::uint8_t { none, over, only };
@@ -104,6 +114,9 @@ struct SANSMESH_API PictureLook {
   bool ground = true;   ///< let a shadow fall on the ground below
   /// Radius of points, in the unit of the cloud; default: from their spacing.
   std::optional<double> point_radius = {};
+
+  /// The background; a gradient where none was chosen.
+  Background behind() const { return background.value_or(Background{}); }
 
   static const OptionSchema& schema();  ///< a row a field
 };
@@ -223,7 +236,7 @@ struct SANSMESH_API CastCounts {
   std::uint64_t miss_evaluations = 0;  ///< for rays that did not
   std::uint64_t ball_queries = 0;      ///< for balls along a ray
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// The mesh seen in perspective, framed to fill the picture. Meshes without triangles are clouds: discs where there are

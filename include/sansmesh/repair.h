@@ -25,7 +25,7 @@ struct SANSMESH_API HolesResult {
   /// "stray_border": border that runs around no hole.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Finds the holes; vertices at the same place become one before. Throws DataError for more triangles than can be
@@ -43,7 +43,7 @@ struct SANSMESH_API FillResult {
   /// pieces that lie in a filling; "seams": vertices at one place differ otherwise.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// The mesh with its holes filled; vertices at the same place become one before. Throws ArgumentError for
@@ -87,7 +87,7 @@ struct SANSMESH_API SimplifyReport {
   /// How far off the best shapes are (length), where worse ones are nearer and were taken.
   std::optional<double> farthest_by_shape;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Mesh of fewer triangles.
@@ -103,9 +103,13 @@ struct SimplifyResult {
 /// stay; colours and attributes of vertices that merge are averaged. Throws ArgumentError for bad options, Cancelled.
 SANSMESH_API SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progress& progress);
 
-/// How far vertices moved, and what that did to area and volume, in lines for people.
+/// How far vertices moved, in how many rounds, and what that did to area and volume, in lines for people.
 SANSMESH_API std::vector<std::string> summary_of(const SmoothReport& report);
-/// A line for each hole, `most` of them, the largest first.
+/// How many holes there are, and a line for each, `most` of them, the largest first.
 SANSMESH_API std::vector<std::string> summary_of(const HoleLoops& holes, std::size_t most);
+/// The same, and what became of them.
+SANSMESH_API std::vector<std::string> summary_of(const FillResult& made, std::size_t most);
+/// How many triangles there were and are, and how far off these are, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const SimplifyResult& made);
 
 }  // namespace sansmesh::inline v1

@@ -15,7 +15,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// What became of a hole.
+/// Result of filling a hole.
 enum class HoleOutcome : std::uint8_t {
   filled,     ///< it is closed
   too_large,  ///< left open, as the options say
@@ -40,7 +40,7 @@ struct SANSMESH_API HoleLoop {
   double steepness = 0;
   std::optional<HoleOutcome> outcome = {};  ///< of filling it
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// All closed curves along the borders of a mesh.
@@ -50,7 +50,7 @@ struct SANSMESH_API HoleLoops {
   std::size_t stray_edges = 0;        ///< of these, in no loop: the border ends at edges that are not manifold
   std::size_t nonmanifold_edges = 0;  ///< of three triangles or more
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Which holes are filled, and how.
@@ -89,7 +89,7 @@ struct SANSMESH_API FillReport {
   /// now lie before, behind or across it.
   std::size_t islands = 0;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// How far a mesh is smoothed, and what is kept.
@@ -131,7 +131,7 @@ struct SANSMESH_API SmoothReport {
   std::optional<double> volume_before;  ///< length³; nothing unless the mesh is closed and oriented
   std::optional<double> volume_after;   ///< length³; nothing unless the mesh is closed and oriented
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -22,15 +22,15 @@
 
 namespace sansmesh::inline v1 {
 
-/// Numbers of things with names that depend on the data.
+/// Counts by name, where the names depend on the data.
 using ReportCounts = std::vector<std::pair<std::string, std::int64_t>>;
 
-/// The value of a field of any report. Nothing: there is none.
+/// Value of a row; monostate where there is none.
 using ReportValue =
     std::variant<std::monostate, bool, std::int64_t, double, std::string, std::vector<std::int64_t>,
                  std::vector<double>, std::vector<std::string>, std::vector<std::vector<double>>, ReportCounts>;
 
-/// How the value of a row is told.
+/// Kind of the value of a row.
 enum class ReportKind : std::uint8_t {
   flag,
   whole,
@@ -46,7 +46,7 @@ enum class ReportKind : std::uint8_t {
   reports  ///< a list of them
 };
 
-/// What is said of a row besides its field.
+/// The words of a row.
 struct ReportFacts {
   std::string_view name = {};  ///< where it is not the field's: "moved.rms" is `rms` of a group `moved`
   std::string_view text = {};  ///< a sentence without its full stop
@@ -64,12 +64,12 @@ struct ReportSchema {
 /// Called for a part of a report: a struct with a schema.
 using UsePart = std::function<void(const void* part)>;
 
-/// A field of a report, or what follows from some: what is said of it, its kind, and how it is read. Made by reported(),
-/// reported_beside() and reported_base().
+/// A field of a report, or what follows from some: what is said of it, its kind, and how it is read. Made by
+/// reported(), reported_beside() and reported_base().
 struct ReportRow : ReportFacts {
   ReportKind kind = ReportKind::flag;  ///< how its value is told
-  bool optional = false;  ///< there may be none
-  bool beside = false;    ///< of a report: its rows stand beside the others, without a name
+  bool optional = false;               ///< there may be none
+  bool beside = false;                 ///< of a report: its rows stand beside the others, without a name
   /// Its value; null of reports. Choices come as numbers: see report_value.
   ReportValue (*get)(const void* report) = nullptr;
   const ReportSchema& (*part)() = nullptr;                         ///< of a report or several
@@ -136,7 +136,7 @@ concept IsPlace = std::same_as<T, Vec3> || std::same_as<T, Vec3f>;
 
 inline std::vector<double> numbers_of(const Vec3& p) { return {p.x, p.y, p.z}; }
 
-/// How a value is told.
+/// Kind of the values of a type.
 template <class T>
 constexpr ReportKind kind_of() {
   if constexpr (IsOptional<T>::value)
@@ -243,7 +243,8 @@ void use_parts(const T& v, const UsePart& use) {
 }  // namespace report_detail
 
 /// The row of a field, `reported<&SmoothReport::mean_edge>({.text = "Mean length of the edges", .unit = "length"})`. In
-/// place of the field a member function, or a lambda of the struct, whose row needs a name.
+/// place of the field a member function, or a lambda of the struct, whose row needs a name. The field is one of the
+/// struct itself, not of a base (see reported_base).
 template <auto getter>
 constexpr ReportRow reported(const ReportFacts& facts) {
   using Owner = report_detail::Owner<getter>;

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "sansmesh/api.h"
-#include "sansmesh/error.h"
 #include "sansmesh/image.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
@@ -26,12 +25,14 @@
 namespace sansmesh::inline v1 {
 
 struct TetDataset;
+class VolumeModel;
 
 // ---- Reading -----------------------------------------------------------------------------------------------------
 
 /// A body of tetrahedra as a file holds it. Cheap to copy.
 struct SANSMESH_API SimulationBody {
   std::shared_ptr<const TetDataset> tets;         ///< of the library
+  std::string file = {};                          ///< that it was read from
   const TetMesh& mesh() const;                    ///< in the unit of the file
   const std::vector<std::string>& notes() const;  ///< what was turned, cut or left out, one line each
   /// The vertex that the file calls so. Throws DataError where there is none, or no tetrahedron uses it.
@@ -71,14 +72,9 @@ struct SANSMESH_API SimulateOptions {
   void validate() const;
 };
 
-/// What the scene says, or nobody does, cannot be simulated.
-class SANSMESH_API SceneError : public ArgumentError {
- public:
-  explicit SceneError(const std::string& message) : ArgumentError(message) {}  ///< one line
-};
-
 /// What a body is made of, what acts on it, and in which steps it will move.
 struct SANSMESH_API SimulationPlan {
+  std::string body_file, scene_file;    ///< that errors are of, where the body and the scene came from files
   std::shared_ptr<const TetMesh> rest;  ///< in the unit of its file
   double unit = 1;                      ///< metres of that
   bool z_up = false;                    ///< z points up
@@ -91,7 +87,7 @@ struct SANSMESH_API SimulationPlan {
   /// "mean_material": several materials, their mean is taken; "no_material": cells without one; "unit": it is guessed.
   std::vector<Note> notes;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// What the options and the scene say together, and for what neither says: materials of the cells (arrays `density`,
@@ -99,6 +95,10 @@ struct SANSMESH_API SimulationPlan {
 /// nothing else keeps it from falling for ever. Throws ArgumentError, SceneError, and DataError for bodies and
 /// materials that cannot be simulated.
 SANSMESH_API SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOptions& options);
+/// The same of a body from a file. What cannot be simulated is a FileError of that, or of the scene's file, here and in
+/// simulate().
+SANSMESH_API SimulationPlan plan_simulation(const SimulationBody& body, SceneScript scene,
+                                            const SimulateOptions& options);
 
 // ---- Moving ------------------------------------------------------------------------------------------------------
 
@@ -153,6 +153,9 @@ class SANSMESH_API CarriedSurface {
   std::shared_ptr<const State> state_;
 };
 
+/// The surface in a mesh file, or the boundary of the body where there is no name. Throws FileError.
+SANSMESH_API CarriedSurface read_carried(const std::string& file, const SimulationPlan& plan);
+
 /// A moment of a simulation, after a step.
 struct SimulationMoment {
   BodyEnergies energies;  ///< after the step
@@ -170,12 +173,12 @@ struct SANSMESH_API SimulateReport {
   BodyEnergies first, last;               ///< at rest, and in the end
   std::vector<SimulationMoment> moments;  ///< at rest, and where they are asked for after each step
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
   /// All moments as a table (CSV): energies, iterations, contacts.
   std::string table() const;
 };
 
-/// What was simulated and how long that took, in lines for people.
+/// What was simulated, how long that took and its frames, in lines for people.
 SANSMESH_API std::vector<std::string> summary_of(const SimulationPlan& plan, const SimulateReport& report);
 
 /// A motion with what there is to say of it.
@@ -202,21 +205,24 @@ struct CarriedVolume {
   VolumePictureOptions look = {};                 ///< its own part: what all pictures share is taken from their options
 };
 
+/// The array that a volume was opened with, of vectors the length. Throws as VolumeModel::field.
+SANSMESH_API CarriedVolume carried_volume(const VolumeModel& volume, Progress& progress, std::vector<Note>& notes);
+
 /// Pictures of all frames from one place, from which the whole motion is seen.
 class SANSMESH_API MotionPictures {
  public:
-  /// Checks all options before there is any motion. Without a surface there is a volume. Throws ArgumentError.
-  MotionPictures(std::shared_ptr<const TetMesh> rest, std::shared_ptr<const CarriedSurface> surface,
-                 std::optional<CarriedVolume> volume, const RenderOptions& options);
+  /// Checks all options before there is any motion; up is as in the plan. Without a surface there is a volume. Throws
+  /// ArgumentError.
+  MotionPictures(const SimulationPlan& plan, std::optional<CarriedSurface> surface, std::optional<CarriedVolume> volume,
+                 RenderOptions options);
   ~MotionPictures();
   MotionPictures(MotionPictures&&) noexcept;             ///< moves
   MotionPictures& operator=(MotionPictures&&) noexcept;  ///< moves
 
   /// "volume_ends": the volume does not reach everywhere in the tetrahedra.
   const std::vector<Note>& notes() const;
-  /// To be called once, before pictures are drawn; obstacles of `scene` are drawn, its lengths in the unit of the
-  /// body's file.
-  void show(Motion motion, const DynamicsScene& scene);
+  /// To be called once, before pictures are drawn, with the motion as planned.
+  void show(Motion motion);
   /// The picture of a frame of the motion, from 0 on. Not from several threads. Throws DataError where there is nothing
   /// to draw, Cancelled.
   Image draw(std::size_t frame, Progress& progress);

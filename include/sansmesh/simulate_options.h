@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "sansmesh/api.h"
+#include "sansmesh/error.h"
 #include "sansmesh/report.h"
 #include "sansmesh/tet_mesh.h"
 #include "sansmesh/vec.h"
@@ -138,6 +139,7 @@ struct SceneVertices {
 
 /// What a scene says; what it does not say is absent.
 struct SceneScript {
+  std::string file = {};                                                  ///< that it was read from
   std::optional<SoftBodyModel> model;                                     ///< of the body
   std::optional<std::string> integrator;                                  ///< of the motion
   std::optional<double> step, duration, frames_per_second;                ///< s, s, 1/s
@@ -153,6 +155,12 @@ struct SceneScript {
   bool no_floor = false;            ///< "floor": false
   bool floor_below = false;         ///< "floor": true
   DynamicsScene scene;              ///< lengths and positions in the file's unit
+};
+
+/// What the scene says, or nobody does, cannot be simulated.
+class SANSMESH_API SceneError : public ArgumentError {
+ public:
+  explicit SceneError(const std::string& message) : ArgumentError(message) {}  ///< one line
 };
 
 /// Throws ArgumentError that begins with the place in the scene ("forces 2.on"), FileError for files that it names.
@@ -178,7 +186,7 @@ struct SANSMESH_API BodyEnergies {
   double kinetic = 0, elastic = 0, gravity = 0;                 ///< J
   double total() const { return kinetic + elastic + gravity; }  ///< J
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -26,7 +26,7 @@ struct SANSMESH_API OrientedBox {
   std::array<double, 3> sizes{};  ///< along the axes, descending
   Vec3 center;                    ///< middle of the box
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Volume and moments of a solid of density 1; lengths in the unit of the mesh, positions in world coordinates.
@@ -59,7 +59,7 @@ struct SANSMESH_API BodyMeasures {
   /// Its volume is neither that of a solid that stands free nor that of a cavity in one.
   bool misplaced() const { return mass && surrounding != (mass->volume < 0 ? 1 : 0); }
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Measures of a solid, as a whole and by components.
@@ -74,7 +74,7 @@ struct SANSMESH_API SolidMeasures {
   std::size_t crossing_pairs = 0;       ///< pairs of triangles that cut through each other
   std::size_t crossing_components = 0;  ///< components that cut through another one
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// The points x with ⟨normal, x⟩ = offset, and a frame (u, v, normal), right-handed and orthonormal. The coordinates of
@@ -136,9 +136,10 @@ struct SANSMESH_API Section {
   double length = 0;                 ///< of all curves together
   /// Enclosed area (length²): sum over the closed curves: holes are subtracted. Negative if the surface faces inward.
   double area = 0;
-  bool closed() const;  ///< whether every curve is
+  bool closed() const;              ///< whether every curve is
+  std::size_t open_curves() const;  ///< curves that are not closed
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// What a map of distances measures and shows. Lengths in the unit of the input. What is absent follows from the data.
@@ -183,7 +184,7 @@ struct SANSMESH_API DistanceStatistics {
   double range = 0;             ///< half of the range of the histogram and of the colours (length, > 0)
   bool smallest_range = false;  ///< it is the smallest, since nearly everything lies nearer
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Distances of the vertices of one surface from another one. Lengths in the unit of the input.
@@ -198,7 +199,7 @@ struct SANSMESH_API DistanceMap {
   std::size_t not_finite = 0;     ///< left out: vertices that are not finite, or that no triangle uses
   DistanceStatistics statistics;  ///< of the distances
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 inline constexpr std::size_t kHistogramBins = 41;  ///< of DistanceStatistics::histogram; odd: one bin lies around 0

@@ -40,7 +40,7 @@ class SANSMESH_API SolidModel {
   /// For the library's own sources.
   const SolidParts& parts() const { return *parts_; }
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 
  private:
   std::shared_ptr<const SolidParts> parts_;
@@ -63,5 +63,8 @@ struct CsgResult {
 /// out by default, of others none. Throws ArgumentError for bad options, and for solids without an end; DataError where
 /// there is no surface; Cancelled.
 SANSMESH_API CsgResult mesh_of_solid(const SolidModel& solid, const CsgMeshOptions& options, Progress& progress);
+
+/// Size and cells, and how large and near the mesh is; in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const CsgMeshReport& report);
 
 }  // namespace sansmesh::inline v1

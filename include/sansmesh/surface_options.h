@@ -224,7 +224,7 @@ struct SANSMESH_API SurfaceProjection {
   double rms_move = 0;        ///< distance, root mean square
   double largest_move = 0;    ///< distance, largest
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// A surface that was made of samples.
@@ -235,7 +235,10 @@ struct SANSMESH_API SurfaceReport {
   int order = 0, iterations = 0;  ///< amls
   std::size_t samples = 0;        ///< that it was made of
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
+
+/// What the samples are like, and how wide the weights are, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const SurfaceReport& report);
 
 }  // namespace sansmesh::inline v1

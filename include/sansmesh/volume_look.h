@@ -143,7 +143,7 @@ struct SANSMESH_API VolumePictureReport {
   /// levels of 0..255. This is the error of the steps, apart from that of the field. Not found for `check_steps` false.
   double step_error_mean = 0, step_error_most = 0;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Error of baked fields above which bricks are split, if nothing is said: a share of the range of the values.
@@ -167,7 +167,7 @@ struct SANSMESH_API BakeReport {
   /// volume. False: the memory was at its end, or refine() is to go on.
   bool finished = false;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 }  // namespace sansmesh::inline v1

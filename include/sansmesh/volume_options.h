@@ -96,7 +96,7 @@ struct SANSMESH_API IsosurfaceReport {
   std::optional<double> volume;       ///< enclosed, where closed
   std::vector<std::string> warnings;  ///< a line each
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Surfaces of volumes without a mesh: moving least squares on samples that weigh in by how near their value is to that
@@ -148,7 +148,7 @@ struct SANSMESH_API VolumeSurfaceReport {
   double least_gradient = 0;   ///< high_gradient
   std::optional<double> beta;  ///< where one holds everywhere
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 }  // namespace sansmesh::inline v1

@@ -31,6 +31,7 @@ struct SANSMESH_API VolumePicturesOptions {
   bool bar = true;                 ///< the colour bar
   std::string unit = {};           ///< of the array, at the colour bar
   bool any_view = true;            ///< nobody chose the view: that of a single layer looks straight at it
+  std::optional<int> frames = {};  ///< so many pictures around the up axis, 2 or more; default: one
 
   /// Of `look` its own; without `any_view`.
   static const OptionSchema& schema();
@@ -50,6 +51,8 @@ class SANSMESH_API VolumePictures {
 
   /// The look with all that was chosen.
   const VolumePictureOptions& look() const;
+  /// One picture, or all of a turntable.
+  void render(const UsePicture& use, Progress& progress);
   /// The same, seen from somewhere else.
   Image render(const ViewDirection& view, Progress& progress);
   /// Of the last picture.
@@ -69,6 +72,10 @@ struct SANSMESH_API SurfaceInVolumeLook {
   std::string color_by = {};               ///< an array of the volume, or a curvature: kCurvatureWords
   std::optional<double> color_range = {};  ///< curvature that gets the full colour (1 / length or 1 / length²)
   bool sharp = false;                      ///< normals turn sharply at edges and corners
+  bool quick = false;                      ///< one ray a pixel, no shadows
+  std::optional<int> frames = {};          ///< so many pictures around the up axis, 2 or more; default: one
+  bool bar = true;                         ///< a colour bar, of `color_by`
+  std::string unit = {};                   ///< of the array, or of lengths in curvatures, at the bar
 
   static const OptionSchema& schema();  ///< a row a field
   /// The curvature that colours show; nothing where they show none.
@@ -86,7 +93,7 @@ struct SANSMESH_API ShownColors {
   TransferFunction colors;
   BarEnds ends;  ///< of the colours
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Pictures of a surface in a volume, by rays and without a mesh. Built once; then pictures from anywhere.
@@ -110,5 +117,18 @@ class SANSMESH_API SurfaceInVolumePictures {
   struct State;
   std::unique_ptr<State> state_;
 };
+
+/// The numbers of pictures of a surface in a volume.
+struct DrawnSurfaceInVolume {
+  std::optional<ShownColors> colors;  ///< nothing without `color_by`
+  CastCounts rays;                    ///< of all pictures
+  std::vector<Note> notes;            ///< those of VolumeModel::field
+};
+
+/// One picture, or all of a turntable. Throws as SurfaceInVolumePictures, and ArgumentError where there is no room for
+/// the bar.
+SANSMESH_API DrawnSurfaceInVolume draw_surface_in_volume(const SurfaceInVolume& surface, const VolumeModel& volume,
+                                                         const SurfaceInVolumeLook& look, const RenderOptions& picture,
+                                                         const UsePicture& use, Progress& progress);
 
 }  // namespace sansmesh::inline v1

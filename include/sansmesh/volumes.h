@@ -145,11 +145,14 @@ struct SANSMESH_API VolumeUse {
   std::string grid;                ///< in words
   std::vector<std::string> notes;  ///< on the values
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
-/// What a volume was used as so far.
+/// Array, method and samples that were used of a volume so far.
 SANSMESH_API VolumeUse volume_use(const VolumeModel& volume, Progress& progress);
+
+/// The method of reconstruction with its reason, and the samples, in a line for people each.
+SANSMESH_API std::vector<std::string> summary_of(const VolumeModel& volume, Progress& progress);
 
 /// A volume that changes in time: its steps, all open at once.
 struct SANSMESH_API VolumeSeries {
@@ -158,7 +161,7 @@ struct SANSMESH_API VolumeSeries {
   std::string name;                ///< of the files
   std::vector<Note> notes;         ///< of reading, of all steps
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// All steps of a file, or several files one after the other. `times`: of files, each, or the first and the step
@@ -174,7 +177,7 @@ struct SANSMESH_API ProbeReport {
   ReconstructionReport reconstruction;  ///< of the field
   std::size_t inside = 0;               ///< points in the volume
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Values of a volume at points. Of point i and component c the value stands at i * names.size() + c.
@@ -201,11 +204,14 @@ struct SANSMESH_API ProbedValue {
   Vec3 gradient;        ///< values per length
   bool inside = false;  ///< in the volume
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// A point after the other, and of each its components.
 SANSMESH_API std::vector<ProbedValue> probed_values(const ProbeResult& probed);
+
+/// The points in the volume and, of twenty at most, each with its values; in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const ProbeResult& probed);
 
 /// A row a point: x,y,z,NAME,NAME_dx,NAME_dy,NAME_dz,inside.
 SANSMESH_API std::string probe_table(const ProbeResult& probed);
@@ -216,8 +222,11 @@ struct SANSMESH_API ResampleReport {
   std::array<std::size_t, 3> size{};    ///< values along the axes
   double inside = 0;                    ///< share of the values that lie in the volume
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
+
+/// "128 × 64 × 64 values, 93.1 % in the volume".
+SANSMESH_API std::string lattice_words(const std::array<std::size_t, 3>& size, double inside);
 
 /// A volume on a uniform grid.
 struct ResampleResult {
@@ -247,7 +256,7 @@ struct SANSMESH_API FitVolumeReport {
   std::vector<std::string> arrays;      ///< that are kept
   std::vector<std::size_t> by_degree;   ///< polynomials of degree 0, 1, …; empty for methods without coefficients
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// A volume with its reconstruction, to be kept. Cheap to copy.
@@ -273,14 +282,14 @@ struct SANSMESH_API HeldReconstruction {
   ReconstructionOptions options;       ///< with what was chosen from the data
   std::vector<std::size_t> by_degree;  ///< as in FitVolumeReport
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Contents of a file of a volume.
 struct SANSMESH_API VolumeInfo {
   std::string format;                             ///< of the file
   VolumeFacts facts;                              ///< on the grid
-  std::size_t samples = 0;                        ///< of the array, as what follows
+  std::size_t samples = 0;                        ///< of the array
   bool in_cells = false;                          ///< values are those of cells
   Box3 box;                                       ///< around the samples
   std::vector<AttributeInfo> arrays;              ///< all of the file
@@ -291,7 +300,7 @@ struct SANSMESH_API VolumeInfo {
   /// "inverted", "layer".
   std::vector<Note> notes = {};
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Bare grids too, where the model may be one. Throws DataError where nothing can be made of them, Cancelled.
@@ -302,6 +311,7 @@ SANSMESH_API std::vector<std::string> summary_of(const VolumeInfo& info);
 
 /// Advice on a volume: what can be made of it, by which method and with which arrays.
 struct SANSMESH_API VolumeAdvice {
+  VolumeFacts facts;  ///< on the grid
   VolumeOffer offer;  ///< what there is, with traits of the array and the method that suits it
   std::vector<VolumeRecommendation> recommendations;  ///< the first choice first
   std::string array;  ///< that surfaces and pictures are of: of vectors the magnitude; empty of bare grids
@@ -310,10 +320,13 @@ struct SANSMESH_API VolumeAdvice {
   /// Ends of a line across the flow, through the middle of the box, that surfaces of the flow may start from.
   std::optional<std::array<Vec3, 2>> seeds;
 
-  static const ReportSchema& schema();  ///< a row for all that it tells
+  static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
 /// Throws DataError where there is neither an array nor a body, Cancelled.
 SANSMESH_API VolumeAdvice advise(const VolumeModel& volume, Progress& progress);
+
+/// What the volume is like, and the method that suits it, in lines for people.
+SANSMESH_API std::vector<std::string> summary_of(const VolumeAdvice& advice);
 
 }  // namespace sansmesh::inline v1

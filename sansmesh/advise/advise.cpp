@@ -198,6 +198,15 @@ Advice advise(const CloudTraits& traits) {
   return advice;
 }
 
+std::vector<std::string> summary_of(const Advice& advice) {
+  const CloudTraits& t = advice.traits;
+  const NoiseEstimate noise{t.noise, t.most_noise, t.noise_known, t.step};
+  std::vector<std::string> lines{fmt::format("{}, spacing {}, noise {}", counted(t.samples, "sample"),
+                                             length_words(t.spacing), noise_words(noise, t.spacing))};
+  for (const std::string& finding : advice.findings) lines.push_back("  " + finding);
+  return lines;
+}
+
 Advice advise(const PointSet& points, Progress& progress) {
   std::vector<std::string> warnings;
   const CloudTraits traits = measure_traits(points, progress, &warnings);

@@ -371,8 +371,8 @@ constexpr ReportRow kIsosurfaceReportRows[] = {
     reported<&IsosurfaceReport::cell>({.text = "Edge of the smallest blocks", .unit = "length"}),
     reported<&IsosurfaceReport::area>({.text = "Area of the mesh", .unit = "length²"}),
     reported<&IsosurfaceReport::volume>({.text = "Volume of the mesh, where it is closed", .unit = "length³"}),
-    reported<&IsosurfaceReport::components>({.name = "output.components", .text = "Connected parts of the mesh"}),
-    reported<&IsosurfaceReport::closed>({.name = "output.closed", .text = "Whether the mesh is closed"})};
+    reported<&IsosurfaceReport::components>({.name = "components", .text = "Connected parts of the mesh"}),
+    reported<&IsosurfaceReport::closed>({.name = "closed", .text = "Whether the mesh is closed"})};
 
 }  // namespace
 

@@ -82,7 +82,7 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
     throw ArgumentError("`align` moves meshes and points: with `on = reference`, the part may not be a function");
   CompareResult result;
   CompareReport& r = result.report;
-  r.on = options.on, r.tolerance = options.map.within;
+  r.on = options.on, r.within = options.map.within;
   AnySurface moved = part, still = reference;
   if (options.align) {
     AlignResult aligned = sansmesh::align(part, reference, options.alignment, progress);
@@ -118,7 +118,7 @@ namespace {
 
 constexpr ReportRow kCompareReportRows[] = {
     reported<&CompareReport::on>({.text = "Side on which the map lies", .choices = kSideWords}),
-    reported<&CompareReport::tolerance>({.text = "Tolerance that was asked for", .unit = "length"}),
+    reported<&CompareReport::within>({.text = "Tolerance that was asked for", .unit = "length"}),
     reported<&CompareReport::diagonal>(
         {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
     reported<&CompareReport::alignment>({.text = "How the part was moved first"}),

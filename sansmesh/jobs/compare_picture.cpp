@@ -10,6 +10,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/points.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render_options.h"
 
@@ -33,6 +34,17 @@ TransferFunction scale_of(double range, bool both_sides) {
 
 }  // namespace
 
+MapPicture draw_curvature(const CurvatureResult& made, const CurvatureMapOptions& options, const RenderOptions& picture,
+                          Progress& progress) {
+  const CurvatureReport& r = made.report;
+  std::optional<ColorBar> bar;
+  if (options.bar) bar = curvature_bar(r.color_by, r.color_range, options.unit, r.beyond_range);
+  MapPicture drawn{.image = {}, .made_with = picture};
+  leave_room(drawn.made_with, bar);
+  drawn.image = beside_bar(render_mesh(to_mesh(made.points), drawn.made_with, progress), bar, drawn.made_with);
+  return drawn;
+}
+
 void check_map_picture(const RenderOptions& picture, const std::string& unit) {
   picture.validate();
   const int scale =
@@ -48,8 +60,7 @@ MapPicture draw_map(const CompareResult& compared, const CompareOptions& options
   const TransferFunction scale = scale_of(s.range, map.has_sides);
   const std::string title = with_unit(kDistanceTitle, unit);
   MapPicture made{.image = {}, .made_with = picture};
-  made.made_with.look.background = PictureLook::Background::solid;
-  made.made_with.look.background_color = {0.93f, 0.94f, 0.95f};
+  made.made_with.look.background = Background::solid({0.93f, 0.94f, 0.95f});
   made.made_with.look.shadows = made.made_with.look.ground = false;
   made.made_with.view.width -= value_bar_width(picture.view.height, scale, title);
   std::vector<double> marks;

@@ -134,6 +134,24 @@ std::vector<Note> fit_to_format(CloudOrMesh& data, const std::string& file) {
   return notes;
 }
 
+std::vector<std::string> left_out(const std::string& file, const CloudOrMesh& data) {
+  return data.is_mesh ? left_out(file, data.mesh) : left_out(file, data.points);
+}
+
+void write_converted(const std::string& file, const CloudOrMesh& data, bool ascii) {
+  if (data.is_mesh)
+    write_mesh(file, data.mesh, {.ascii = ascii});
+  else
+    write_points(file, data.points, {.ascii = ascii});
+}
+
+std::vector<std::string> summary_of(const ConvertReport& report) {
+  std::vector<std::string> lines{report.size_words};
+  for (const ConvertedBy& done : report.steps)
+    if (!done.remark.empty()) lines.push_back(in_accents(done.step) + ": " + done.remark);
+  return lines;
+}
+
 ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& progress) {
   options.validate();
   ConvertResult result{CloudOrMesh(std::move(read)), {}, {}};
@@ -143,6 +161,10 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
   if (options.vertices_only) data.make_points();
   DoStep how{data, options.unit};
   for (const ConvertStep& step : options.steps) {
+    if (const auto* const about = std::get_if<AboutStep>(&step)) {
+      how(*about);
+      continue;
+    }
     progress.begin(std::string(step_name(step)));
     result.report.steps.push_back(do_step(data, step, how));
   }

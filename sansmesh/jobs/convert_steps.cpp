@@ -363,7 +363,7 @@ constexpr OptionRow kStepRows[] = {
                              .choices = kUpAxes,
                              .name = "up"}),
     step_row<[](const OptionValue& v) -> ConvertStep { return UnitStep{.from = {}, .to = text_in(v)}; }>(
-        OptionKind::text, {.text = "Of the output's lengths", .unit = "unit", .name = "to_unit", .needs = "unit"}),
+        OptionKind::text, {.text = "Of the output's lengths", .unit = "unit", .name = "to_unit"}),
     step_row<[](const OptionValue& v) { return crop_of(v, true); }>(
         OptionKind::numbers,
         {.text = "Only what lies in this box; meshes are cut along it",

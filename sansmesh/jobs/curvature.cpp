@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/image.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/surface/curvature.h"
@@ -131,7 +132,9 @@ const OptionSchema& CurvatureMapOptions::schema() {
                                .unit = "value",
                                .from_data = "from data",
                                .range = positive()}),
-      option_group<&O::estimation>(CurvatureOptions::schema().rows)};
+      option_group<&O::estimation>(CurvatureOptions::schema().rows),
+      option<&O::bar>({.text = "Without the colour bar"}),
+      option<&O::unit>({.text = "Of lengths, at the colour bar", .unit = "unit"})};
   static const OptionSchema schema{rows};
   return schema;
 }
@@ -153,6 +156,21 @@ CurvatureResult curvature(PointSet points, const CurvatureMapOptions& options, P
   show_curvature(made, options, r);
   result.points = std::move(made.points);
   return result;
+}
+
+std::vector<std::string> summary_of(const CurvatureResult& made) {
+  const CurvatureReport& r = made.report;
+  const auto words = [&](std::size_t count) {
+    if (!r.mesh) return counted(count, "sample");
+    return count == 1 ? std::string("1 vertex") : grouped(count) + " vertices";
+  };
+  std::vector<std::string> lines{
+      fmt::format("{}, noise {}", words(made.points.size()), length_words(r.noise)),
+      fmt::format("{} curvature: 5 % below {}, half below {}, 95 % below {} ({})", quantity_word(r.color_by),
+                  length_words(r.q05), length_words(r.median), length_words(r.q95),
+                  r.color_by == CurvatureQuantity::gaussian ? "1/length²" : "1/length, positive where convex")};
+  if (r.undefined > 0) lines.push_back(words(r.undefined) + " without enough neighbours: zero");
+  return lines;
 }
 
 namespace {

@@ -62,4 +62,12 @@ void DeformOptions::validate(DeformAim aim) const {
   if (aim == DeformAim::picture) look.validate();
 }
 
+void DeformOptions::validate(DeformAim aim, const Deformation& deformation) const {
+  validate(aim);
+  const bool handles = deformation.has_handles();
+  if (frames && !handles) throw ArgumentError("`frames` needs handles: a map is one deformation");
+  if (draw_handles && !handles) throw ArgumentError("`draw_handles` needs handles");
+  if (cut_open && deformation.cuts().empty()) throw ArgumentError("`cut_open` needs `cut`");
+}
+
 }  // namespace sansmesh::inline v1

@@ -61,7 +61,7 @@ void add_mesh_notes(const DeformReport& r, bool mesh, const std::string& name, s
 
 DeformResult deform(const PointSet& points, const std::string& name, const Deformation& deformation, DeformAim aim,
                     const DeformOptions& options, const UsePose& use, Progress& progress) {
-  options.validate(aim);
+  options.validate(aim, deformation);
   const bool mesh = !points.triangles.empty(), picture = aim == DeformAim::picture;
   if (aim == DeformAim::sections) throw ArgumentError("sections are of functions and solids");
   if (!mesh && options.refine) throw ArgumentError("`refine` is for meshes: the input has no faces");

@@ -212,7 +212,7 @@ class SolidPoses {
 
 DeformResult deform(const SolidModel& solid, const Deformation& deformation, DeformAim aim,
                     const DeformOptions& options, const UsePose& use, Progress& progress) {
-  options.validate(aim);
+  options.validate(aim, deformation);
   if (options.refine) throw ArgumentError("`refine` is for meshes: functions are cut out as fine as they need");
   SolidPoses poses(solid, deformation, aim, options, progress);
   for (int k = 0; k < options.poses(); ++k) use(k, with_name(solid.expression(), [&] { return poses.at(k); }));

@@ -206,7 +206,7 @@ DeformableVolume deformable_volume(const VolumeModel& volume, DeformAim aim, boo
 
 DeformResult deform(const DeformableVolume& volume, const Deformation& deformation, DeformAim aim,
                     const DeformOptions& options, const UsePose& use, Progress& progress) {
-  options.validate(aim);
+  options.validate(aim, deformation);
   if (options.refine) throw ArgumentError("`refine` is for meshes");
   if (aim == DeformAim::sections)
     throw ArgumentError("sections are of functions: a value of one of its quantities is a surface of a volume");

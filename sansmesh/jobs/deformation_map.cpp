@@ -1,6 +1,9 @@
 // A deformation as a map of displacements.
+#include <fmt/core.h>
+
 #include <utility>
 
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/deform.h"
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/error.h"
@@ -44,7 +47,9 @@ DeformationMapResult deformation_map(const Deformation& deformation, const Box3&
                        lattice_sizes(box, static_cast<std::size_t>(options.nodes.value_or(kUsualMapNodes))), progress);
   FoldWatch folds;
   folds.look(*maps.backward, box, progress);
-  DeformationMapResult result{displacement_block(map), folds.worst(), {}};
+  DeformationMapResult result{displacement_block(map), {}, {}};
+  result.report.folds = folds.worst();
+  for (std::size_t a = 0; a < 3; ++a) result.report.size[a] = result.block.axes[a].size();
   folds.add_note(name, result.notes);
   return result;
 }
@@ -64,13 +69,6 @@ void write_pose(const std::string& file, const DeformedPose& pose, bool ascii, c
     void operator()(const DeformedPicture& picture) const { write_image(file, picture.image); }
   };
   std::visit(Write{file, ascii, unit}, pose);
-}
-
-Box3 bounds_of(const PointSet& points) {
-  Box3 box;
-  for (const Vec3f& p : points.positions)
-    if (is_finite(p)) box.extend(points.origin + Vec3(p));
-  return box;
 }
 
 namespace {
@@ -101,14 +99,42 @@ constexpr ReportRow kDeformReportRows[] = {
     reported<&DeformReport::sections>({.text = "Sections"}),
     reported<[](const DeformReport& r) { return told_if(r.size[0] > 0, r.size); }>(
         {.name = "size", .text = "Points of the lattice along its axes, of volumes"}),
-    reported<[](const DeformReport& r) { return told_if(r.size[0] > 0, r.inside); }>(
-        {.name = "inside", .text = "Share of these in the volume", .unit = "share"}),
+    reported<&DeformReport::inside>({.text = "Share of these in the volume", .unit = "share"}),
     reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.rays); }>(
         {.name = "rays", .text = "Rays, of pictures of volumes"}),
     reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.evaluations); }>(
         {.name = "evaluations", .text = "Evaluations for these"})};
 
+std::string size_line(const DeformReport& r) {
+  if (r.inside) return lattice_words(r.size, *r.inside);
+  return fmt::format("{} × {} × {} displacements", r.size[0], r.size[1], r.size[2]);
+}
+
+std::string count_line(const DeformReport& r) {
+  const std::string triangles = counted(r.triangles, "triangle");
+  if (r.mesh_of_open) return triangles + ", its surface bounds no solid: its mesh was deformed";
+  if (r.solid)
+    return fmt::format("{}, {} vertices in {}{}", triangles, grouped(r.vertices),
+                       counted(r.solid->components, "component"), r.solid->closed ? ", closed" : ", not closed");
+  if (r.triangles == 0) return counted(r.vertices, "point");
+  return fmt::format("{}, {} {}{}", triangles, grouped(r.vertices), r.vertices == 1 ? "vertex" : "vertices",
+                     r.added > 0 ? fmt::format(" ({} added)", grouped(r.added)) : "");
+}
+
 }  // namespace
+
+std::vector<std::string> summary_of(const DeformReport& r) {
+  std::vector<std::string> lines;
+  for (const Section& section : r.sections) lines.push_back(section_words(section));
+  if (r.vertices > 0) lines.push_back(count_line(r));
+  if (r.solid) lines.push_back(area_words(r.solid->area, r.solid->volume));
+  if (r.cut && r.cut->edges == 0) lines.emplace_back("no cut reaches it");
+  if (r.cut && r.cut->edges > 0)
+    lines.push_back(fmt::format("opened along {}, {} on cut faces", counted(r.cut->edges, "edge"),
+                                counted(r.cut->faces, "triangle")));
+  if (r.size[0] > 0) lines.push_back(size_line(r));
+  return lines;
+}
 
 const ReportSchema& DeformableVolume::schema() {
   static constexpr ReportRow rows[] = {reported<&DeformableVolume::arrays>({.text = "Arrays"})};

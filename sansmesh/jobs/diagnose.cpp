@@ -3,8 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
+#include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function/diagnose_function.h"
@@ -54,6 +56,42 @@ DiagnoseResult diagnose(const SurfaceFunction& function, const DiagnoseOptions& 
   result.places = listed_places(result.diagnosis);
   result.edits = result.diagnosis.edits();
   return result;
+}
+
+namespace {
+
+/// To a hundredth of its radius, however far from the origin it is.
+std::string where(const SuspiciousPlace& p) {
+  const int digits = index_in<int>(std::ceil(2 - std::log10(std::max(1e-300, p.radius))), 0, 12);
+  return fmt::format("({:.{}f}, {:.{}f}, {:.{}f})", p.position.x, digits, p.position.y, digits, p.position.z, digits);
+}
+
+std::string line_of(const ListedPlace& listed, bool steps) {
+  const SuspiciousPlace& p = listed.place;
+  return fmt::format("{:>4} at {}, radius {}: {}, {}{}", listed.number, where(p), length_words(p.radius),
+                     listed.worst_words(), counted(p.supports, "fit"),
+                     steps && listed.step ? fmt::format("; step {}", *listed.step) : "");
+}
+
+}  // namespace
+
+std::vector<std::string> summary_of(const DiagnoseResult& made, bool steps) {
+  const Diagnosis& d = made.diagnosis;
+  std::vector<std::string> lines{fmt::format("largest gradient around the surface {:.2f}", d.largest_gradient)};
+  auto next = made.places.begin();
+  for (std::size_t k = 0; k < kSuspicions; ++k) {
+    const auto kind = static_cast<Suspicion>(k);
+    const std::string extra =
+        kind == Suspicion::high_error ? fmt::format(" (above {})", length_words(d.error_above)) : "";
+    lines.push_back(titled(suspicion_name(kind), (d.found[k] == 0 ? "nowhere" : counted(d.found[k], "place")) + extra));
+    std::size_t shown = 0;
+    for (; next != made.places.end() && next->place.kind == kind; ++next, ++shown)
+      lines.push_back(line_of(*next, steps));
+    if (shown < d.found[k])
+      lines.push_back(
+          fmt::format("     and {} more: `places = {}` lists all", grouped(d.found[k] - shown), d.found[k]));
+  }
+  return lines;
 }
 
 std::vector<Image> draw_places(const DiagnoseResult& made, RenderOptions options, bool sheet, Progress& progress) {
@@ -119,7 +157,7 @@ constexpr ReportRow kDiagnoseResultRows[] = {
         {.name = "largest_gradient", .text = "Largest gradient around the surface"}),
     reported<[](const DiagnoseResult& r) { return counted_kinds(r); }>(
         {.name = "found", .text = "Places of each kind, those beyond the list among them"}),
-    reported<[](const DiagnoseResult& r) { return r.edits.size(); }>({.name = "script.edits", .text = "Edits to try"}),
+    reported<[](const DiagnoseResult& r) { return r.edits.size(); }>({.name = "edits", .text = "Edits to try"}),
     reported<&DiagnoseResult::places>({.text = "Places of each kind, the largest first"})};
 
 }  // namespace

@@ -62,19 +62,9 @@ namespace {
 constexpr ReportRow kEditedFunctionRows[] = {
     reported<&EditedFunction::steps>({.text = "Edits, one after the other"}),
     reported<[](const EditedFunction& r) { return r.function.fitted().field.report().functions; }>(
-        {.name = "output.fits", .text = "Local fits of the function"}),
-    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.mesh.triangles.size()); }>(
-        {.name = "mesh.triangles", .text = "Triangles of the mesh, if one was made"}),
-    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update.local); }>(
-        {.name = "mesh.local", .text = "Whether only parts of the mesh were made anew"}),
-    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update.removed); }>(
-        {.name = "mesh.removed", .text = "Triangles that were removed"}),
-    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update.added); }>(
-        {.name = "mesh.added", .text = "Triangles that were added"}),
-    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update.regions); }>(
-        {.name = "mesh.regions", .text = "Separate regions that were made anew"}),
-    reported<[](const EditedFunction& r) { return told_if(!r.update.why.empty(), r.update.why); }>(
-        {.name = "mesh.why", .text = "Reason for which all of the mesh was made anew"})};
+        {.name = "fits", .text = "Local fits of the function"}),
+    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update); }>(
+        {.name = "update", .text = "How the mesh was brought up to date, if one was asked for"})};
 
 }  // namespace
 

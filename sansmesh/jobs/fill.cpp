@@ -10,6 +10,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/mesh/place_edges.h"
+#include "sansmesh/mesh/topology_words.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -115,7 +116,8 @@ const ReportSchema& FillResult::schema() {
 }
 
 std::vector<std::string> summary_of(const HoleLoops& holes, std::size_t most) {
-  std::vector<std::string> lines;
+  std::vector<std::string> lines{
+      fmt::format("{} with {}", counted(holes.loops.size(), "hole"), counted(holes.border_edges, "border edge"))};
   for (std::size_t i = 0; i < std::min(most, holes.loops.size()); ++i) {
     const HoleLoop& h = holes.loops[i];
     const std::string_view word = h.outcome ? kOutcomeWords[static_cast<std::size_t>(*h.outcome)] : "";
@@ -123,6 +125,19 @@ std::vector<std::string> summary_of(const HoleLoops& holes, std::size_t most) {
                                 grouped(h.vertices.size()), length_words(h.diameter), 100 * h.share,
                                 length_words(h.perimeter), place_words(h.middle), word.empty() ? "" : ": ", word));
   }
+  if (holes.loops.size() > most)
+    lines.push_back(fmt::format("and {} smaller ones", grouped(holes.loops.size() - most)));
+  return lines;
+}
+
+std::vector<std::string> summary_of(const FillResult& made, std::size_t most) {
+  const FillReport& r = made.report;
+  std::vector<std::string> lines = summary_of(r.found, most);
+  lines.push_back(fmt::format("filled {}, left {} open; added {} and {} vertices, area {}", grouped(r.filled),
+                              grouped(r.too_large + r.failed + r.ends), counted(r.triangles, "triangle"),
+                              grouped(r.vertices), length_words(r.area)));
+  lines.push_back(fmt::format("now {}, {}", counted(made.mesh.triangles.size(), "triangle"),
+                              border_words(measure_topology(made.mesh))));
   return lines;
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/fit_options.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/points/sights.h"
 #include "sansmesh/surface_function.h"

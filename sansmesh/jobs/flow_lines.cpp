@@ -101,4 +101,17 @@ TraceLinesResult trace_lines_of(const FlowModel& flow, const TraceLinesOptions& 
   return result;
 }
 
+std::vector<std::string> summary_of(const TraceLinesResult& made) {
+  const FlowLineReport& r = made.report;
+  std::vector<std::string> lines{fmt::format("{} from {}: {}, the longest line {}", counted(made.lines.size(), "line"),
+                                             counted(r.seeds, "seed"), counted(made.lines.positions.size(), "point"),
+                                             length_words(r.longest))};
+  std::string ends;
+  for (std::size_t k = 0; k < r.ends.size(); ++k)
+    if (r.ends[k] > 0) ends += fmt::format("{}{} {}", ends.empty() ? "" : ", ", kTraceEndWords[k], grouped(r.ends[k]));
+  std::replace(ends.begin(), ends.end(), '_', ' ');
+  if (!ends.empty()) lines.push_back("ended by " + ends);
+  return lines;
+}
+
 }  // namespace sansmesh::inline v1

@@ -339,10 +339,7 @@ FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions
 namespace {
 
 constexpr ReportRow kFlowPicturesResultRows[] = {
-    reported<&FlowPicturesResult::surface>({.text = "Surface that was traced"}),
-    reported<&FlowPicturesResult::width>({.name = "output.width", .text = "Width of each picture", .unit = "pixels"}),
-    reported<&FlowPicturesResult::height>(
-        {.name = "output.height", .text = "Height of each picture", .unit = "pixels"})};
+    reported<&FlowPicturesResult::surface>({.text = "Surface that was traced"})};
 
 }  // namespace
 

@@ -54,6 +54,13 @@ TraceSurfaceResult trace_surface(const FlowModel& flow, const TraceSurfaceOption
   return result;
 }
 
+std::vector<std::string> summary_of(const FlowSurfaceReport& r) {
+  return {fmt::format("{} on {}, {} apart at the seeds", counted(r.particles, "particle"), counted(r.fronts, "front"),
+                      length_words(r.spacing)),
+          fmt::format("{} put between others, {} left out, {}", grouped(r.inserted), grouped(r.removed),
+                      counted(r.tears, "tear"))};
+}
+
 namespace {
 
 constexpr ReportRow kTraceSurfaceResultRows[] = {

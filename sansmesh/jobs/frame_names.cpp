@@ -48,9 +48,16 @@ void check_inputs_stay(const std::vector<std::string>& inputs, const std::vector
   std::set<std::filesystem::path> known;
   for (const std::string& file : inputs)
     if (!file.empty()) known.insert(place(file));
+  const auto is_known = [&](const std::string& file) {
+    std::error_code ignored;
+    // By another name, too: a link.
+    return known.contains(place(file)) || std::any_of(known.begin(), known.end(), [&](const auto& input) {
+             return std::filesystem::equivalent(input, file, ignored);
+           });
+  };
   for (const std::string& file : results)
-    if (!file.empty() && known.contains(place(file)))
-      throw FileError(file, "is an input, which a result would overwrite");
+    if (!file.empty() && is_known(file))
+      throw FileError(file, "is an input, which a result would overwrite: another `output` is needed");
 }
 
 }  // namespace sansmesh::inline v1

@@ -191,8 +191,7 @@ constexpr ReportRow kCloudInfoRows[] = {
     reported_beside<&CloudInfo::noise>(),
     reported<[](const CloudInfo& r) { return r.normals.words; }>({.name = "normals", .text = "Normals, in words"}),
     reported<&CloudInfo::normals>({.name = "orientation", .text = "How normals are oriented"}),
-    reported<[](const CloudInfo& r) { return orient_by_word(r.orient_by); }>(
-        {.name = "orient_by", .text = "From what normals would get their signs"}),
+    reported<&CloudInfo::orient_by>({.text = "From what normals would get their signs", .choices = kOrientByWords}),
     reported<&CloudInfo::colors>({.text = "Whether there are colours"}),
     reported<&CloudInfo::attributes>({.text = "Attributes"}),
     reported<&CloudInfo::scanners>({.text = "Scanners whose positions are known"}),

@@ -79,10 +79,7 @@ TriangleMesh tubes_around(const PolylineSet& lines, double radius) {
 RenderOptions look_for(const LinePictureOptions& options, const Box3& box) {
   RenderOptions picture = options.picture;
   picture.look.shadows = picture.look.ground = false;
-  if (options.any_background) {
-    picture.look.background = PictureLook::Background::solid;
-    picture.look.background_color = {0.93f, 0.94f, 0.95f};
-  }
+  if (!picture.look.background) picture.look.background = Background::solid({0.93f, 0.94f, 0.95f});
   if (options.any_view)
     if (const auto view = view_of_layer(box, picture.view.up)) picture.view.direction = *view;
   return picture;

@@ -6,6 +6,8 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/dynamics/tet_embedding.h"
 #include "sansmesh/dynamics/tet_geometry.h"
+#include "sansmesh/io.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/simulate.h"
 
 namespace sansmesh::inline v1 {
@@ -106,6 +108,11 @@ std::vector<Note> CarriedSurface::notes() const {
            .text = fmt::format("{} of {} vertices lie in no tetrahedron: they go on with the nearest",
                                grouped(embedding->outside()), grouped(state_->surface.vertices.size())),
            .remedy = {}}};
+}
+
+CarriedSurface read_carried(const std::string& file, const SimulationPlan& plan) {
+  if (file.empty()) return with_file(plan.body_file, [&] { return CarriedSurface(*plan.rest); });
+  return with_file(file, [&] { return CarriedSurface(*plan.rest, read_mesh(file)); });
 }
 
 }  // namespace sansmesh::inline v1

@@ -34,6 +34,11 @@ void check_frames_writable(const std::string& output) {
   check_writable(first, "mesh");
 }
 
+/// The file of all frames of tetrahedra: NAME.pvd of NAME.vtu.
+std::string collection_of(const std::string& output) {
+  return std::filesystem::path(output).replace_extension(".pvd").string();
+}
+
 /// With the .pvd of all frames, or if not all can be written, of those that are.
 std::vector<std::string> write_tet_frames(const std::string& output, const Motion& motion, const MotionUse& use,
                                           Progress& progress) {
@@ -43,7 +48,7 @@ std::vector<std::string> write_tet_frames(const std::string& output, const Motio
   for (std::size_t k = 0; k < motion.frames(); ++k)
     series.push_back({motion.time(k), std::filesystem::path(motion_frame_name(output, k)).filename().string()});
   // First of all, so that there is room for it when the disk is full.
-  const std::string collection = std::filesystem::path(output).replace_extension(".pvd").string();
+  const std::string collection = collection_of(output);
   write_collection(collection, series);
   TetMesh frame = motion.rest();
   const std::vector<Vec3> at_rest = motion.positions(0);  // rounded as those of all frames
@@ -61,7 +66,7 @@ std::vector<std::string> write_tet_frames(const std::string& output, const Motio
       frame.attributes.set("velocity", std::move(velocity), 3);
       frame.attributes.set("displacement", std::move(displacement), 3);
       files.push_back(motion_frame_name(output, k));
-      if (use.used) use.used(k);
+      if (use.before_more && k > 0) use.before_more();
       write_tets(files.back(), frame);
       progress.advance();
     }
@@ -82,7 +87,7 @@ std::vector<std::string> write_surfaces(const std::string& output, const Motion&
   progress.begin("writing meshes", motion.frames());
   for (std::size_t k = 0; k < motion.frames(); ++k) {
     files.push_back(motion_frame_name(output, k));
-    if (use.used) use.used(k);
+    if (use.before_more && k > 0) use.before_more();
     write_mesh(files.back(), surface.at(motion, k), {.ascii = ascii});
     progress.advance();
   }
@@ -99,7 +104,7 @@ void write_pictures(const MotionFiles& m, const Motion& motion, const MotionUse&
     for (const std::string& o : m.outputs)
       if (io::ending(o) == "png") {
         files.push_back(motion_frame_name(o, k));
-        if (use.used) use.used(k);
+        if (use.before_more && k > 0) use.before_more();
         write_image(files.back(), image);
       }
     if (animation) animation->add(image);
@@ -112,26 +117,32 @@ void write_pictures(const MotionFiles& m, const Motion& motion, const MotionUse&
 }  // namespace
 
 bool MotionFiles::draws() const { return !animation.empty() || any_ends_with(outputs, "png"); }
-bool MotionFiles::writes_tets() const { return any_ends_with(outputs, "vtu"); }
+
+KeptMotion MotionFiles::kept() const {
+  return {.positions = draws() || !outputs.empty(), .velocities = any_ends_with(outputs, "vtu")};
+}
 
 void MotionFiles::check() const {
+  if (outputs.empty() && animation.empty() && energies.empty())
+    throw ArgumentError("nothing would be written: `output`, `animation` or `energies` is wanted");
   for (const std::string& o : outputs) check_frames_writable(o);
   if (!animation.empty()) check_writable(animation, "image");
+  if (!energies.empty()) check_writable(energies, "text");
 }
 
-void MotionFiles::check_rate(double frame_time) const {
-  if (!animation.empty()) Animation(1 / frame_time);
+void MotionFiles::check(const SimulationPlan& plan, const std::vector<std::string>& inputs) const {
+  std::vector<std::string> names{animation, energies};
+  for (const std::string& o : outputs) {
+    for (std::size_t k = 0; k < plan.frames; ++k) names.push_back(motion_frame_name(o, k));
+    if (io::ending(o) == "vtu") names.push_back(collection_of(o));
+  }
+  check_inputs_stay(inputs, names);
+  if (!animation.empty()) Animation(1 / plan.frame_time);
 }
 
-std::vector<std::string> MotionFiles::names(std::size_t frames) const {
-  std::vector<std::string> names{animation};
-  for (const std::string& o : outputs)
-    for (std::size_t k = 0; k < frames; ++k) names.push_back(motion_frame_name(o, k));
-  return names;
-}
-
-std::vector<std::string> write_motion(const MotionFiles& m, const Motion& motion, const CarriedSurface& surface,
+std::vector<std::string> write_motion(const MotionFiles& m, const SimulateResult& made, const CarriedSurface& surface,
                                       const MotionUse& use, Progress& progress) {
+  const Motion& motion = made.motion;
   std::vector<std::string> files;
   for (const std::string& o : m.outputs) {
     if (io::ending(o) == "png") continue;
@@ -140,6 +151,9 @@ std::vector<std::string> write_motion(const MotionFiles& m, const Motion& motion
       files.push_back(std::move(file));
   }
   if (m.draws()) write_pictures(m, motion, use, files, progress);
+  if (m.energies.empty()) return files;
+  write_text(m.energies, made.report.table());
+  files.push_back(m.energies);
   return files;
 }
 

@@ -1,4 +1,3 @@
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -12,6 +11,7 @@
 #include "sansmesh/render/picture_surfaces.h"
 #include "sansmesh/render/volume_picture.h"
 #include "sansmesh/simulate.h"
+#include "sansmesh/volumes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -97,7 +97,8 @@ bool reaches_beyond(const Box3& body, const Box3& volume) {
 
 struct MotionPictures::State {
   std::shared_ptr<const TetMesh> rest;
-  std::shared_ptr<const CarriedSurface> surface;
+  DynamicsScene scene;
+  std::optional<CarriedSurface> surface;
   std::optional<CarriedVolume> volume;
   RenderOptions options;
   std::vector<Note> notes;
@@ -108,12 +109,21 @@ struct MotionPictures::State {
   std::vector<std::uint32_t> sources;
 };
 
-MotionPictures::MotionPictures(std::shared_ptr<const TetMesh> rest, std::shared_ptr<const CarriedSurface> surface,
-                               std::optional<CarriedVolume> volume, const RenderOptions& options)
+CarriedVolume carried_volume(const VolumeModel& volume, Progress& progress, std::vector<Note>& notes) {
+  CarriedVolume carried;
+  carried.field = volume.field(volume.as_scalar(volume.choice()), progress, notes);
+  carried.image = volume.samples(progress)->lattice.has_value();
+  return carried;
+}
+
+MotionPictures::MotionPictures(const SimulationPlan& plan, std::optional<CarriedSurface> surface,
+                               std::optional<CarriedVolume> volume, RenderOptions options)
     : state_(std::make_unique<State>()) {
   options.validate();
+  if (plan.z_up) options.view.up = UpAxis::z;
   State& s = *state_;
-  s.rest = std::move(rest), s.surface = std::move(surface), s.volume = std::move(volume), s.options = options;
+  s.rest = plan.rest, s.scene = plan.scene, s.surface = std::move(surface), s.volume = std::move(volume),
+  s.options = options;
   if (!s.volume) return;
   s.volume->look.picture = options;
   s.volume->look.validate();
@@ -130,8 +140,9 @@ MotionPictures& MotionPictures::operator=(MotionPictures&&) noexcept = default;
 
 const std::vector<Note>& MotionPictures::notes() const { return state_->notes; }
 
-void MotionPictures::show(Motion motion, const DynamicsScene& scene) {
+void MotionPictures::show(Motion motion) {
   State& s = *state_;
+  const DynamicsScene& scene = s.scene;
   s.motion = std::move(motion);
   FarthestPoints farthest;
   Box3 box;

@@ -4,9 +4,12 @@
 #include "sansmesh/points/given_normals.h"
 #include "sansmesh/points/noise.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <utility>
 
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/orient_words.h"
@@ -82,6 +85,18 @@ constexpr ReportRow kNormalsReportRows[] = {
 const ReportSchema& NormalsReport::schema() {
   static constexpr ReportSchema schema{kNormalsReportRows};
   return schema;
+}
+
+std::vector<std::string> summary_of(const NormalsResult& made) {
+  const NormalsReport& r = made.report;
+  const std::string signs =
+      r.oriented_by ? "signs " + std::string(orientation_words(*r.oriented_by)) : "signs left as they are";
+  return {
+      fmt::format("{}, spacing {}, noise {}", counted(made.points.size(), "point"), length_words(r.spacing),
+                  noise_words(r.noise, r.spacing)),
+      fmt::format("normals {}, {}{}", r.neighbours ? fmt::format("from {} neighbours", *r.neighbours) : "of the file",
+                  signs, r.unknown > 0 ? fmt::format(", {} unknown (zero)", grouped(r.unknown)) : ""),
+      "checked: " + std::string(r.check.words)};
 }
 
 }  // namespace sansmesh::inline v1

@@ -3,9 +3,14 @@
 
 #include <vector>
 
+#include "sansmesh/option.h"
 #include "sansmesh/pictures.h"
 
 namespace sansmesh::inline v1 {
+
+/// The words of the option `frames` of pictures that stand still but for the view.
+inline constexpr OptionFacts kTurntable{
+    .text = "Turntable: so many pictures around the up axis, NAME_000.png, …", .unit = "count", .range = {2, 100000}};
 
 /// The attribute, and what `color_by` calls it.
 inline constexpr const char* kConfidence = "confidence";

@@ -17,6 +17,7 @@
 #include "sansmesh/dynamics/suited_options.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/scene_errors.h"
 #include "sansmesh/schema/registry_words.h"
 #include "sansmesh/simulate.h"
 
@@ -230,6 +231,14 @@ SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOp
   add_floor_below(scene, body, plan.options.gravity);
   plan.scene = std::move(scene.scene);
   plan.rest = std::make_shared<const TetMesh>(std::move(body));
+  return plan;
+}
+
+SimulationPlan plan_simulation(const SimulationBody& body, SceneScript scene, const SimulateOptions& options) {
+  const std::string scene_file = scene.file;
+  SimulationPlan plan =
+      with_files(body.file, scene_file, [&] { return plan_simulation(body.mesh(), std::move(scene), options); });
+  plan.body_file = body.file, plan.scene_file = scene_file;
   return plan;
 }
 

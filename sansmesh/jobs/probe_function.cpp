@@ -1,4 +1,7 @@
+#include <fmt/core.h>
+
 #include "sansmesh/attribute_table.h"
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/field/level_set_curvature.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/functions.h"
@@ -38,6 +41,7 @@ ProbeFunctionResult probe_function(const SurfaceFunction& probed, std::span<cons
   ProbeFunctionResult result;
   std::vector<LevelSetPoint> values(n);
   level_set_points(function.field, x, kLevelSetStep * function.field.report().spacing, values);
+  result.values.reserve(n);
   for (std::size_t i = 0; i < n; ++i) result.values.push_back({values[i], places[i]});
   const double unit = function.place.unit;
   ProbeFunctionReport& r = result.report;
@@ -61,6 +65,20 @@ std::vector<Vec3> places_of(const PointSet& points) {
   std::vector<Vec3> places(points.size());
   for (std::size_t i = 0; i < places.size(); ++i) places[i] = points.origin + Vec3(points.positions[i]);
   return places;
+}
+
+std::vector<std::string> summary_of(const ProbeFunctionResult& probed) {
+  const ProbeFunctionReport& r = probed.report;
+  std::vector<std::string> lines{fmt::format("{} evaluated, {} inside", counted(r.points, "point"), grouped(r.inside))};
+  if (r.points > kListedPoints)
+    lines.push_back(fmt::format("|value|: mean {}, median {}, largest {}; largest gradient {:.3f}",
+                                length_words(r.mean), length_words(r.median), length_words(r.largest),
+                                r.largest_gradient));
+  else
+    for (const ProbedPlace& v : probed.values)
+      lines.push_back(fmt::format("({:.8g}, {:.8g}, {:.8g})  value {:.6g}  gradient {}  curvatures {:.4g}, {:.4g}",
+                                  v.at.x, v.at.y, v.at.z, v.value, place_words(v.gradient), v.k1, v.k2));
+  return lines;
 }
 
 namespace {

@@ -103,4 +103,15 @@ const ReportSchema& ProbedValue::schema() {
   return schema;
 }
 
+std::vector<std::string> summary_of(const ProbeResult& probed) {
+  const std::size_t n = probed.points.size();
+  std::vector<std::string> lines{
+      fmt::format("{}, {} in the volume", counted(n, "point"), grouped(probed.report.inside))};
+  if (n <= kListedPoints)
+    for (const ProbedValue& v : probed_values(probed))
+      lines.push_back(fmt::format("({:.8g}, {:.8g}, {:.8g})  {} {:.8g}  gradient {}{}", v.at.x, v.at.y, v.at.z, v.name,
+                                  v.value, place_words(v.gradient), v.inside ? "" : "  outside"));
+  return lines;
+}
+
 }  // namespace sansmesh::inline v1

@@ -15,7 +15,9 @@ const TetMesh& SimulationBody::mesh() const { return tets->mesh; }
 const std::vector<std::string>& SimulationBody::notes() const { return tets->notes; }
 std::uint32_t SimulationBody::vertex(std::uint64_t number) const { return tets->vertex(number); }
 
-SimulationBody read_body(const std::string& file) { return {std::make_shared<const TetDataset>(read_tets(file))}; }
+SimulationBody read_body(const std::string& file) {
+  return {std::make_shared<const TetDataset>(read_tets(file)), file};
+}
 
 SceneScript read_scene(const std::string& file, const std::string& fixed, const SimulationBody& body, bool z_up) {
   SceneScript s;
@@ -32,6 +34,7 @@ SceneScript read_scene(const std::string& file, const std::string& fixed, const 
     } catch (const ArgumentError& error) {
       throw FileError(file, error.what());
     }
+    s.file = file;
   }
   if (fixed.empty()) return s;
   for (const std::uint64_t n : read_vertex_list(fixed)) try {

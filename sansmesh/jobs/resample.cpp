@@ -1,4 +1,6 @@
 // A volume on a uniform grid.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cstdint>
 
@@ -21,6 +23,10 @@ ResampleResult resample(const VolumeModel& volume, const ResampleOptions& option
   result.report.inside =
       static_cast<double>(std::count(inside.begin(), inside.end(), 1)) / static_cast<double>(inside.size());
   return result;
+}
+
+std::string lattice_words(const std::array<std::size_t, 3>& size, double inside) {
+  return fmt::format("{} × {} × {} values, {:.1f} % in the volume", size[0], size[1], size[2], 100 * inside);
 }
 
 namespace {

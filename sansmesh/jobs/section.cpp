@@ -98,8 +98,7 @@ SectionResult section(const AnySurface& surface, const SectionOptions& options, 
   SectionReport& r = result.report;
   for (const Section& s : result.sections) {
     r.curves += s.curves.size();
-    r.open_curves += static_cast<std::size_t>(
-        std::count_if(s.curves.begin(), s.curves.end(), [](const SectionCurve& c) { return !c.closed; }));
+    r.open_curves += s.open_curves();
   }
   if (r.open_curves > 0)
     result.notes.push_back({.code = "open_curves",

@@ -17,6 +17,7 @@
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/place_edges.h"
 #include "sansmesh/mesh/simplify.h"
+#include "sansmesh/mesh/topology_words.h"
 #include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
@@ -172,6 +173,23 @@ constexpr ReportRow kSimplifyReportRows[] = {
 const ReportSchema& SimplifyReport::schema() {
   static constexpr ReportSchema schema{kSimplifyReportRows};
   return schema;
+}
+
+std::vector<std::string> summary_of(const SimplifyResult& made) {
+  const SimplifyReport& r = made.report;
+  const std::size_t triangles = made.mesh.triangles.size();
+  const double share = static_cast<double>(triangles) / static_cast<double>(std::max<std::size_t>(r.triangles, 1));
+  std::vector<std::string> lines{
+      fmt::format("{}, {} vertices", counted(r.triangles, "triangle"), grouped(r.vertices)),
+      fmt::format("now {} ({:.2f} %), {} vertices, {}", counted(triangles, "triangle"), 100 * share,
+                  grouped(made.mesh.vertices.size()), border_words(measure_topology(made.mesh))),
+      titled("to original", distance_words(r.distance.to_reference, r.distance)),
+      titled("from original", distance_words(r.distance.from_reference, r.distance)),
+      "(in brackets: % of the diagonal of the original's bounding box)"};
+  if (r.farthest_by_shape)
+    lines.push_back("worse triangles than usual: as good ones as can be would be up to " +
+                    length_words(*r.farthest_by_shape) + " off");
+  return lines;
 }
 
 }  // namespace sansmesh::inline v1

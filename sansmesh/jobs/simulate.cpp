@@ -11,6 +11,7 @@
 #include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/dynamics/scene_script.h"
 #include "sansmesh/dynamics/soft_body.h"
+#include "sansmesh/jobs/scene_errors.h"
 #include "sansmesh/simulate.h"
 
 namespace sansmesh::inline v1 {
@@ -80,9 +81,7 @@ void move(SoftBody& body, const SimulationPlan& plan, bool moments, Motion& moti
   progress.finish();
 }
 
-}  // namespace
-
-SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool moments, Progress& progress) {
+SimulateResult simulate_plan(const SimulationPlan& plan, const KeptMotion& kept, bool moments, Progress& progress) {
   Motion motion(plan.rest, kept);
   if (const double bytes = motion.bytes(plan.frames); bytes > kMostBytes)
     throw ArgumentError(fmt::format("{} frames of {} vertices are {:.1f} GB: fewer `frames`", grouped(plan.frames),
@@ -103,6 +102,12 @@ SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool
   note_steps(plan, stable, r, result.notes);
   result.motion = motion;
   return result;
+}
+
+}  // namespace
+
+SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool moments, Progress& progress) {
+  return with_files(plan.body_file, plan.scene_file, [&] { return simulate_plan(plan, kept, moments, progress); });
 }
 
 namespace {
@@ -147,14 +152,18 @@ std::string SimulateReport::table() const {
 std::vector<std::string> summary_of(const SimulationPlan& plan, const SimulateReport& r) {
   const SoftBodyOptions& options = plan.options;
   const double steps = static_cast<double>(r.steps);
-  return {fmt::format("{} ({}), {}", word_of(options.model), material_words(options), options.integrator),
+  return {fmt::format("{}: {} vertices, {} tetrahedra, {} fixed", plan.body_file.empty() ? "the body" : plan.body_file,
+                      grouped(plan.rest->vertices.size()), grouped(plan.rest->tets.size()),
+                      grouped(plan.scene.fixed.size())),
+          fmt::format("{} ({}), {}", word_of(options.model), material_words(options), options.integrator),
           fmt::format("{} of at most {:.4g} s in {:.3g} s ({:.1f} a second){}", counted(r.steps, "step"), options.step,
                       r.seconds, steps / std::max(r.seconds, 1e-9),
                       body_integrator(options.integrator).is_implicit
                           ? fmt::format(", {:.1f} iterations a step", static_cast<double>(r.iterations) / steps)
                           : ""),
           fmt::format("energy {:.6g} J at first, {:.6g} J in the end (kinetic {:.4g}, elastic {:.4g}, gravity {:.4g})",
-                      r.first.total(), r.last.total(), r.last.kinetic, r.last.elastic, r.last.gravity)};
+                      r.first.total(), r.last.total(), r.last.kinetic, r.last.elastic, r.last.gravity),
+          fmt::format("{} of {:.4g} s", counted(plan.frames, "frame"), plan.frame_time)};
 }
 
 }  // namespace sansmesh::inline v1

@@ -45,9 +45,11 @@ std::vector<std::string> summary_of(const SmoothReport& r) {
   std::string size = fmt::format("area {:+.3f} %", change(r.area_before, r.area_after));
   if (r.volume_before && r.volume_after)
     size += fmt::format(", volume {:+.3f} %", change(std::abs(*r.volume_before), std::abs(*r.volume_after)));
-  return {fmt::format("moved by {} (root mean square), at most {}; {} at borders and edges of three triangles stayed",
+  const std::string kept = r.crease_angle > 0 ? fmt::format(", creases of more than {:.0f}° kept", r.crease_angle) : "";
+  return {fmt::format("{} vertices, edges {} long on average", grouped(r.vertices), length_words(r.mean_edge)),
+          fmt::format("moved by {} (root mean square), at most {}; {} at borders and edges of three triangles stayed",
                       length_words(r.rms_move), length_words(r.largest_move), grouped(r.fixed)),
-          std::move(size)};
+          std::move(size), counted(static_cast<std::size_t>(r.iterations), "round") + kept};
 }
 
 }  // namespace sansmesh::inline v1

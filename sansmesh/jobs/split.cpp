@@ -123,4 +123,9 @@ const ReportSchema& SplitResult::schema() {
   return schema;
 }
 
+std::vector<std::string> summary_of(const SplitResult& made) {
+  if (!made.distance) return {counted(made.found, "part")};
+  return {fmt::format("{} at a distance of {}", counted(made.found, "part"), length_words(*made.distance))};
+}
+
 }  // namespace sansmesh::inline v1

@@ -1,9 +1,12 @@
 // Surfaces straight from the samples of a volume.
+#include <fmt/core.h>
+
 #include <memory>
 #include <span>
 
 #include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/check_range.h"
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/dataset/volume_surface.h"
 #include "sansmesh/isosurfaces.h"
 #include "sansmesh/jobs/with_name.h"
@@ -110,9 +113,9 @@ constexpr ReportRow kMeshInVolumeReportRows[] = {
     reported<&MeshInVolumeReport::area>({.text = "Area of the mesh", .unit = "length²"}),
     reported<&MeshInVolumeReport::volume>({.text = "Volume of the mesh, where it is closed", .unit = "length³"}),
     reported<[](const MeshInVolumeReport& r) { return r.mesh.components; }>(
-        {.name = "output.components", .text = "Connected parts of the mesh"}),
+        {.name = "components", .text = "Connected parts of the mesh"}),
     reported<[](const MeshInVolumeReport& r) { return r.volume.has_value(); }>(
-        {.name = "output.closed", .text = "Whether the mesh is closed"})};
+        {.name = "closed", .text = "Whether the mesh is closed"})};
 
 }  // namespace
 
@@ -126,6 +129,24 @@ namespace {
 bool is_steep(const SurfaceInVolume& made) {
   return made.surface->options().kind == VolumeSurfaceOptions::Kind::high_gradient;
 }
+
+}  // namespace
+
+std::vector<std::string> summary_of(const SurfaceInVolume& s, const VolumeModel& volume, Progress& progress) {
+  const VolumeSurfaceReport& r = s.report;
+  const auto samples = volume.samples(progress);
+  return {
+      fmt::format("{}: {}, {} of {} ({})", volume.name(),
+                  is_steep(s)
+                      ? fmt::format("steepest {}, from {:.4g} per length", volume.array_name(), r.least_gradient)
+                      : fmt::format("{} = {:.6g}", volume.array_name(), s.value),
+                  counted(r.samples, "sample"), grouped(samples->size()), samples->facts.grid),
+      fmt::format("spacing {}, weights {:.2f} spacings wide{}", length_words(r.spacing), r.smoothing,
+                  r.noise_distance > 0 ? fmt::format(", noise moves the surface by {}", length_words(r.noise_distance))
+                                       : std::string())};
+}
+
+namespace {
 
 constexpr ReportRow kSurfaceInVolumeRows[] = {
     reported<[](const SurfaceInVolume& r) { return told_if(!is_steep(r), r.value); }>(

@@ -7,6 +7,8 @@
 #include "sansmesh/dataset/volume_surface.h"
 #include "sansmesh/error.h"
 #include "sansmesh/isosurfaces.h"
+#include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/surface_caster.h"
@@ -72,7 +74,13 @@ const OptionSchema& SurfaceInVolumeLook::schema() {
                                .from_data = "from data",
                                .range = positive(),
                                .needs = "color_by"}),
-      option<&O::sharp>({.text = "Normals turn sharply at edges and corners"})};
+      option<&O::sharp>({.text = "Normals turn sharply at edges and corners"}),
+      option<&O::quick>({.text = "One ray a pixel, no shadows"}),
+      option<&O::frames>(kTurntable),
+      option<&O::bar>({.text = "Without the colour bar", .needs = "color_by"}),
+      option<&O::unit>({.text = "Of the array, or of lengths in curvatures, at the colour bar",
+                        .unit = "unit",
+                        .needs = "color_by"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -137,6 +145,38 @@ Image SurfaceInVolumePictures::render(const SurfaceRenderOptions& options, Progr
 }
 
 CastCounts SurfaceInVolumePictures::counts() const { return state_->caster->counts(); }
+
+namespace {
+
+/// The colour bar beside the pictures.
+std::optional<ColorBar> bar_beside(const SurfaceInVolumeLook& look, const std::optional<ShownColors>& shown) {
+  if (!shown || !look.bar) return std::nullopt;
+  if (shown->curvature) return curvature_bar(*shown->curvature, shown->range, look.unit, true);
+  return ColorBar{shown->colors, with_unit(shown->array, look.unit), shown->ends};
+}
+
+}  // namespace
+
+DrawnSurfaceInVolume draw_surface_in_volume(const SurfaceInVolume& surface, const VolumeModel& volume,
+                                            const SurfaceInVolumeLook& look, const RenderOptions& picture,
+                                            const UsePicture& use, Progress& progress) {
+  SurfaceRenderOptions options;
+  options.picture = picture;
+  options.plain = look.quick, options.picture.view.steady = look.frames.has_value();
+  options.validate();
+  DrawnSurfaceInVolume drawn;
+  const SurfaceInVolumePictures pictures(surface, volume, look, progress, drawn.notes);
+  drawn.colors = pictures.colors();
+  const std::optional<ColorBar> bar = bar_beside(look, drawn.colors);
+  leave_room(options.picture, bar);
+  std::size_t frame = 0;
+  for (const ViewDirection& view : turntable(picture.view.direction, look.frames.value_or(1))) {
+    options.picture.view.direction = view;
+    use(frame++, beside_bar(pictures.render(options, progress), bar, options.picture), options.picture);
+  }
+  drawn.rays = pictures.counts();
+  return drawn;
+}
 
 namespace {
 

@@ -1,7 +1,10 @@
 // Advice on a volume.
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/jobs/with_name.h"
@@ -50,6 +53,7 @@ VolumeAdvice advise(const VolumeModel& volume, Progress& progress) {
   const VolumeDataset& dataset = dataset_of(volume);
   const auto samples = volume.samples(progress);
   VolumeAdvice advice;
+  advice.facts = samples->facts;
   VolumeOffer& offer = advice.offer;
   offer.values = !dataset.arrays().empty();
   offer.steps = std::max<std::size_t>(dataset.times().size(), 1);
@@ -75,6 +79,30 @@ VolumeAdvice advise(const VolumeModel& volume, Progress& progress) {
   }
   advice.recommendations = advise_volume(offer);
   return advice;
+}
+
+namespace {
+
+std::string share_words(double share) { return fmt::format("{:.2g} %", 100 * share); }
+
+}  // namespace
+
+std::vector<std::string> summary_of(const VolumeAdvice& advice) {
+  const VolumeFacts& facts = advice.facts;
+  const VolumeOffer& offer = advice.offer;
+  const VolumeTraits& t = offer.traits;
+  if (!offer.values)
+    return {fmt::format("{}, {} ({}), no arrays", counted(facts.points, "point"), counted(facts.cells, "cell"),
+                        facts.grid)};
+  return {fmt::format("{} of {} ({}{})", counted(t.samples, "sample"), advice.array, facts.grid,
+                      offer.steps > 1 ? fmt::format(", {} steps", offer.steps) : ""),
+          fmt::format("  left out, a sample is missed by {} of the range by its neighbours' mean, {} by planes, {} by "
+                      "parabolas, {} by cubics",
+                      share_words(t.left_out[0]), share_words(t.left_out[1]), share_words(t.left_out[2]),
+                      share_words(t.left_out[3])),
+          fmt::format("  noise at most {} of the range; steps at {} of the samples", share_words(t.noise),
+                      share_words(t.steps)),
+          titled("reconstruction", fmt::format("{}, since it is {}", offer.suited.method, offer.suited.why))};
 }
 
 namespace {

@@ -5,6 +5,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/tubes.h"
@@ -52,6 +53,7 @@ struct VolumePictures::State {
   std::unique_ptr<VolumePicture> picture;
   VolumePictureReport report;
   std::vector<Note> notes;
+  int frames = 1;
 };
 
 const OptionSchema& VolumePicturesOptions::schema() {
@@ -68,7 +70,8 @@ const OptionSchema& VolumePicturesOptions::schema() {
                               .range = positive(1),
                               .needs = "baked"}),
       option<&O::bar>({.text = "Without the colour bar"}),
-      option<&O::unit>({.text = "Of the array, at the colour bar"})};
+      option<&O::unit>({.text = "Of the array, at the colour bar"}),
+      option<&O::frames>(kTurntable)};
   static const OptionSchema schema{rows};
   return schema;
 }
@@ -88,7 +91,8 @@ VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOp
   s.name = volume.name();
   s.look = options.look;
   VolumePictureOptions& look = s.look;
-  look.color_bar = options.bar;
+  look.color_bar = options.bar, look.picture.view.steady = options.frames.has_value();
+  s.frames = options.frames.value_or(1);
   if (options.baked) look.picture.quality.samples = 1, look.step = 1.5, look.least_light = 0.01;
   s.samples = volume.samples(progress);
   s.field = volume.field(volume.as_scalar(volume.choice()), progress, s.notes);
@@ -130,6 +134,15 @@ Image VolumePictures::render(const ViewDirection& view, Progress& progress) {
   VolumePictureOptions look = state_->look;
   look.picture.view.direction = view;
   return with_name(state_->name, [&] { return state_->picture->render(look, progress, &state_->report); });
+}
+
+void VolumePictures::render(const UsePicture& use, Progress& progress) {
+  RenderOptions made_with = look().picture;
+  std::size_t frame = 0;
+  for (const ViewDirection& view : turntable(made_with.view.direction, state_->frames)) {
+    made_with.view.direction = view;
+    use(frame++, render(view, progress), made_with);
+  }
 }
 
 const VolumePictureReport& VolumePictures::report() const { return state_->report; }

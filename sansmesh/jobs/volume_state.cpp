@@ -255,6 +255,14 @@ VolumeUse volume_use(const VolumeModel& volume, Progress& progress) {
           .notes = report.notes};
 }
 
+std::vector<std::string> summary_of(const VolumeModel& volume, Progress& progress) {
+  const ReconstructionReport& r = volume.report();
+  const auto samples = volume.samples(progress);
+  return {fmt::format("{}: by {}{}", volume.array_name(), r.options.method.value(),
+                      r.why.empty() ? "" : ", since it is " + r.why),
+          fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid)};
+}
+
 namespace {
 
 constexpr ReportRow kVolumeUseRows[] = {

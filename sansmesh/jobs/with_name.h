@@ -18,4 +18,15 @@ decltype(auto) with_name(const std::string& name, Call&& call) {
   }
 }
 
+/// Calls; a DataError becomes one of the file, if that has a name.
+template <class Call>
+decltype(auto) with_file(const std::string& file, Call&& call) {
+  try {
+    return std::forward<Call>(call)();
+  } catch (const DataError& error) {
+    if (file.empty()) throw;
+    throw FileError(file, error.what());
+  }
+}
+
 }  // namespace sansmesh::inline v1

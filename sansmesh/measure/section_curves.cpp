@@ -5,8 +5,11 @@
 
 namespace sansmesh::inline v1 {
 
-bool Section::closed() const {
-  return std::all_of(curves.begin(), curves.end(), [](const SectionCurve& c) { return c.closed; });
+bool Section::closed() const { return open_curves() == 0; }
+
+std::size_t Section::open_curves() const {
+  return static_cast<std::size_t>(
+      std::count_if(curves.begin(), curves.end(), [](const SectionCurve& c) { return !c.closed; }));
 }
 
 Section make_section(const CutPlane& plane, const std::vector<SectionChain>& chains,

@@ -102,11 +102,6 @@ std::vector<Section> section_mesh(const TriangleMesh& mesh, std::span<const CutP
 
 namespace {
 
-std::size_t open_curves_of(const Section& section) {
-  return static_cast<std::size_t>(
-      std::count_if(section.curves.begin(), section.curves.end(), [](const SectionCurve& c) { return !c.closed; }));
-}
-
 std::size_t points_of(const Section& section) {
   std::size_t points = 0;
   for (const SectionCurve& c : section.curves) points += c.points.size();
@@ -119,8 +114,7 @@ constexpr ReportRow kSectionRows[] = {
     reported<[](const Section& r) { return r.plane.offset; }>(
         {.name = "offset", .text = "Distance of the plane from the origin, along its normal", .unit = "length"}),
     reported<[](const Section& r) { return r.curves.size(); }>({.name = "curves", .text = "Curves"}),
-    reported<[](const Section& r) { return open_curves_of(r); }>(
-        {.name = "open_curves", .text = "Curves that are not closed"}),
+    reported<&Section::open_curves>({.text = "Curves that are not closed"}),
     reported<[](const Section& r) { return points_of(r); }>({.name = "vertices", .text = "Vertices of all curves"}),
     reported<&Section::length>({.text = "Length of all curves", .unit = "length"}),
     reported<&Section::area>({.text = "Area within them, holes subtracted", .unit = "length²"})};

@@ -201,8 +201,7 @@ std::string section_csv(std::span<const Section> sections) {
 }
 
 std::string section_words(const Section& s) {
-  const auto open = static_cast<std::size_t>(
-      std::count_if(s.curves.begin(), s.curves.end(), [](const SectionCurve& curve) { return !curve.closed; }));
+  const std::size_t open = s.open_curves();
   return fmt::format("{:<20} length {:<11.6g} area {:<11.6g} {}{}", equation(s.plane), s.length, s.area,
                      s.curves.empty() ? "nothing there" : counted(s.curves.size(), "curve"),
                      open > 0 ? fmt::format(" ({} open)", grouped(open)) : "");

@@ -148,18 +148,4 @@ PointSet deform_points(PointSet points, const SpaceMap& forward, MeshDeformRepor
   return points;
 }
 
-namespace {
-
-constexpr ReportRow kMeshDeformReportRows[] = {
-    reported<&MeshDeformReport::added>({.text = "Triangles that were added where edges bend"}),
-    reported<&MeshDeformReport::turned>({.text = "Vertices at which space is turned inside out"}),
-    reported<&MeshDeformReport::undefined>({.text = "Vertices that stay, since the map is not defined there"})};
-
-}  // namespace
-
-const ReportSchema& MeshDeformReport::schema() {
-  static constexpr ReportSchema schema{kMeshDeformReportRows};
-  return schema;
-}
-
 }  // namespace sansmesh::inline v1

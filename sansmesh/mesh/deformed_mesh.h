@@ -31,8 +31,6 @@ struct MeshDeformReport {
   bool fine = true;           ///< false: there were too many triangles to cut all edges that bend
   std::size_t undefined = 0;  ///< vertices where the map is not defined: they stay where they are
   std::size_t turned = 0;     ///< vertices at which the map turns space inside out (its determinant is not positive)
-
-  static const ReportSchema& schema();
 };
 
 /// Vertices by `forward`, a map from places before to places after the deformation; normals by the inverse transpose of

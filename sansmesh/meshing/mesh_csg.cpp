@@ -408,8 +408,8 @@ constexpr ReportRow kCsgMeshReportRows[] = {
     reported<&CsgMeshReport::mean_error>({.text = "Mean distance of the triangles from the surface", .unit = "length"}),
     reported<&CsgMeshReport::largest_error>(
         {.text = "Largest distance of the triangles from the surface", .unit = "length"}),
-    reported<&CsgMeshReport::components>({.name = "output.components", .text = "Connected parts of the mesh"}),
-    reported<&CsgMeshReport::closed>({.name = "output.closed", .text = "Whether the mesh is closed"})};
+    reported<&CsgMeshReport::components>({.name = "components", .text = "Connected parts of the mesh"}),
+    reported<&CsgMeshReport::closed>({.name = "closed", .text = "Whether the mesh is closed"})};
 
 }  // namespace
 

@@ -118,7 +118,7 @@ constexpr ReportRow kMeshReportRows[] = {
     reported<&MeshReport::block_depth>({.text = "Deepest level of the tree of blocks"}),
     reported<&MeshReport::lost>(
         {.name = "lost_share", .text = "Share of the samples that have no surface", .unit = "share"}),
-    reported<&MeshReport::components>({.name = "output.components", .text = "Connected parts of the mesh"}),
+    reported<&MeshReport::components>({.name = "components", .text = "Connected parts of the mesh"}),
     reported<&MeshReport::mesh_error>(
         {.name = "output.mesh_error", .text = "Distance between mesh and surface that was aimed at", .unit = "length"}),
     reported<[](const MeshReport& r) { return if_measured(r, r.aspect_mean_before); }>(

@@ -3,10 +3,13 @@
 #include "sansmesh/surface_options.h"
 #include "sansmesh/triangle_mesh.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <mutex>
 #include <utility>
 
+#include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/model/methods/partition_methods.h"
@@ -208,6 +211,16 @@ constexpr ReportRow kSurfaceReportRows[] = {
 const ReportSchema& SurfaceReport::schema() {
   static constexpr ReportSchema schema{kSurfaceReportRows};
   return schema;
+}
+
+std::vector<std::string> summary_of(const SurfaceReport& r) {
+  std::vector<std::string> lines{fmt::format("{}, {}, spacing {}, noise {}", counted(r.samples, "sample"), r.method,
+                                             length_words(r.spacing), length_words(r.noise))};
+  if (!(r.smoothing > 0)) return lines;
+  lines.push_back(fmt::format("weights {:.2f} spacings wide", r.smoothing));
+  if (surface_method(r.method).uses_option("order"))
+    lines.back() += fmt::format(", order {}, {}", r.order, counted(static_cast<unsigned>(r.iterations), "iteration"));
+  return lines;
 }
 
 }  // namespace sansmesh::inline v1

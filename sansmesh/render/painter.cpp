@@ -92,10 +92,9 @@ std::vector<Vec3f> shown_corners(std::span<const Vec3f> points, const PictureFra
 
 /// What lines alone are drawn on.
 Image paper(const RenderOptions& options) {
-  using Background = PictureLook::Background;
-  if (options.look.background == Background::transparent)
+  if (options.look.behind().kind == Background::Kind::transparent)
     return Image(options.view.width, options.view.height, {0, 0, 0, 0});
-  const Vec3f c = options.look.background == Background::solid ? options.look.background_color : Vec3f{1, 1, 1};
+  const Vec3f c = options.look.behind().kind == Background::Kind::solid ? options.look.behind().color : Vec3f{1, 1, 1};
   return Image(options.view.width, options.view.height, {c.x, c.y, c.z, 1});
 }
 
@@ -179,7 +178,7 @@ class Painter::Work {
         spots_(spread_over_disc(kParts * options.quality.samples * options.quality.samples * std::max(1, sky_rays_))),
         footprint_(2 * camera.half_height / static_cast<float>(options.view.height)),
         rim_(smooth_light ? kSmooth : 0),
-        paper_(opaque_color(Pixel{}, linear_color(options.look.background_color))) {}
+        paper_(opaque_color(Pixel{}, linear_color(options.look.behind().color))) {}
 
   /// Lets shadows fall on the plane that far below the lowest point.
   void add_ground(std::span<const Vec3f> points, float below) {
@@ -372,11 +371,10 @@ class Painter::Work {
   }
 
   Rgba finish(const Pixel& pixel, int x, int y) const {
-    if (options_.look.background == PictureLook::Background::transparent) return transparent_color(pixel);
-    if (options_.look.background == PictureLook::Background::solid && pixel.cover == 0 && pixel.dark == 0)
-      return paper_;
+    if (options_.look.behind().kind == Background::Kind::transparent) return transparent_color(pixel);
+    if (options_.look.behind().kind == Background::Kind::solid && pixel.cover == 0 && pixel.dark == 0) return paper_;
     Rgba color = opaque_color(pixel, background(x, y));
-    if (options_.look.background == PictureLook::Background::solid || pixel.cover > 0) return color;
+    if (options_.look.behind().kind == Background::Kind::solid || pixel.cover > 0) return color;
     // In bytes the wide gradient would show steps, so it takes their levels here already, with a little dither.
     const float threshold = (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
     for (float& c : color) c = from_byte(to_byte(c, threshold));

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kMostPixels = 16384;
 constexpr std::string_view kOverOrOnly[] = {"none", "over", "only"};
+constexpr std::string_view kBackgrounds[] = {"gradient", "white", "black", "transparent"};
 /// After a flag that may stand alone only these are its value.
 constexpr std::string_view kLengthUnits[] = {"nm", "um",   "µm", "mm",   "cm",    "dm", "m", "km",
                                              "in", "inch", "ft", "foot", "us-ft", "yd", "mi"};
@@ -45,6 +46,10 @@ const OptionSchema& PictureView::schema() {
 const OptionSchema& PictureLook::schema() {
   using O = PictureLook;
   static constexpr OptionRow rows[] = {
+      option<&O::background, BackgroundOption>({.text = "gradient, transparent, or a colour: '#rrggbb' or a name",
+                                                .unit = "name",
+                                                .from_data = "gradient",
+                                                .usual_words = kBackgrounds}),
       option<&O::wireframe>({.text = "Edges of triangles: over the surface, or only these without hidden ones, as "
                                      "`wireframe`=only",
                              .choices = kOverOrOnly,
@@ -131,7 +136,7 @@ void RenderOptions::validate() const {
   }
   if (look.accessibility && look.lines == PictureLook::Lines::only)
     throw ArgumentError("`accessibility` is light, which `lines` alone does not show: `lines = over`");
-  check_color("background_color", look.background_color);
+  check_color("background", look.behind().color);
   check_color("surface_color", look.surface_color);
   check_color("wire_color", look.wire_color);
   check_color("line_color", look.line_color);

@@ -79,7 +79,7 @@ float difference(const Vec3f& a, const Vec3f& b) {
 /// What stands behind the volume: a picture of its own.
 Image behind(const VolumePictureOptions& options) {
   Image image(options.picture.view.width, options.picture.view.height, Rgba{0, 0, 0, 0});
-  if (options.picture.look.background == PictureLook::Background::transparent) return image;
+  if (options.picture.look.behind().kind == Background::Kind::transparent) return image;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const float fx = (static_cast<float>(x) + 0.5f) / static_cast<float>(options.picture.view.width);
@@ -376,7 +376,7 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
   Image image = behind(options);
   const bool axes = options.axes;
   if (axes) draw_box_edges(image, work_->box(), work_->frame(), camera);
-  const bool dither = options.picture.look.background == PictureLook::Background::gradient;
+  const bool dither = options.picture.look.behind().kind == Background::Kind::gradient;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const auto& p = map.at(x, y);
@@ -420,7 +420,8 @@ constexpr ReportRow kVolumePictureReportRows[] = {
         {.name = "colors.lower", .text = "Value of the first colour", .unit = "unit of the array"}),
     reported<[](const VolumePictureReport& r) { return r.transfer.range().second; }>(
         {.name = "colors.upper", .text = "Value of the last colour", .unit = "unit of the array"}),
-    reported<&VolumePictureReport::why>({.text = "Reason for these colours, if they were chosen"}),
+    reported<[](const VolumePictureReport& r) { return told_if(!r.why.empty(), r.why); }>(
+        {.name = "why", .text = "Reason for these colours, if they were chosen"}),
     reported<&VolumePictureReport::rays>({.text = "Rays"}),
     reported<&VolumePictureReport::evaluations>({.text = "Evaluations for these"}),
     reported<&VolumePictureReport::notes>({.text = "What may not be as wished"})};

@@ -48,7 +48,7 @@ cli::Command add_shift(cli::CommandLine& app) {
   cli::CommandLine& c = app.add_subcommand("shift", "Points → the same points elsewhere");
   auto a = std::make_shared<ShiftArguments>();
   cli::add_cloud_input(c, a->input, "Points");
-  c.add_option("-o,--output", a->output, "Points to write").type_name("FILE").required();
+  c.add_option("-o,--output", a->output, "Points to write").writes().required();
   cli::add_schema(c, a->options);
   c.tells({cli::told<cli::WrittenPoints>("output")});
   return {&c, [a](cli::Console& console) {

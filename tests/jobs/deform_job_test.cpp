@@ -238,7 +238,7 @@ TEST(DeformJob, VolumesAreResampledAndSeenThrough) {
       },
       progress);
   EXPECT_EQ(lattice.report.size[0], 9u);
-  EXPECT_NEAR(lattice.report.inside, 1, 0.4);  // but for its faces
+  EXPECT_NEAR(lattice.report.inside.value(), 1, 0.4);  // but for its faces
 
   volume = VolumeModel(volume, {.array = "flow"});
   const DeformableVolume seen = deformable_volume(volume, DeformAim::picture, false, progress, notes);

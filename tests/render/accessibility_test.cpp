@@ -28,7 +28,7 @@ RenderOptions open_light(double reach, double bend = 0) {
   options.view.orthographic = true;
   options.view.direction = {0, 90};
   options.look.ground = false;
-  options.look.background = PictureLook::Background::transparent;
+  options.look.background = Background::transparent();
   options.look.accessibility = reach;
   options.look.bend_light = bend;
   return options;

@@ -218,7 +218,7 @@ RenderOptions cut_out_options() {
   RenderOptions o;
   o.view.width = o.view.height = 80;
   o.quality.samples = 2;
-  o.look.background = PictureLook::Background::transparent;
+  o.look.background = Background::transparent();
   o.look.ground = false;
   return o;
 }

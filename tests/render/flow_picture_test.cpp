@@ -241,7 +241,7 @@ TEST(TranslucentSheet, AllLayersAreFoundFrontToBack) {
 
 TEST(TranslucentSheet, PicturesLetWhatIsBehindThrough) {
   RenderOptions options = plain(48);
-  options.look.background = PictureLook::Background::transparent;
+  options.look.background = Background::transparent();
   options.view.direction = {0, 0};
   const FlowSubject subject = square(2, {1, 0, 0}, {0, 1, 0}, {1, 0, 0});
   std::vector<Vec3> places;

@@ -17,7 +17,6 @@ namespace {
 
 using test::brightness;
 using test::levels;
-using Background = PictureLook::Background;
 
 RenderOptions small_picture(int width = 160, int height = 120) {
   RenderOptions options;
@@ -30,7 +29,7 @@ RenderOptions small_picture(int width = 160, int height = 120) {
 
 RenderOptions cut_out(int width = 160, int height = 120) {
   RenderOptions options = small_picture(width, height);
-  options.look.background = Background::transparent;
+  options.look.background = Background::transparent();
   options.look.ground = false;
   return options;
 }
@@ -170,13 +169,12 @@ TEST(MeshPreview, BackgroundsAreWhatTheySay) {
   EXPECT_EQ(image.at(159, 119)[3], 0);
   EXPECT_EQ(image.at(80, 60)[3], 1);
 
-  options.look.background = Background::solid;
-  options.look.background_color = {0.2f, 0.4f, 1.0f};
+  options.look.background = Background::solid({0.2f, 0.4f, 1.0f});
   image = render_mesh(sphere, options);
   EXPECT_EQ(levels(image.at(0, 0)), (std::array<std::uint8_t, 4>{51, 102, 255, 255}));
   EXPECT_EQ(levels(image.at(159, 60)), (std::array<std::uint8_t, 4>{51, 102, 255, 255}));
 
-  options.look.background = Background::gradient;
+  options.look.background = Background{};
   image = render_mesh(sphere, options);
   EXPECT_EQ(image.at(0, 0)[3], 1);
   EXPECT_GT(brightness(image, 10, 60), brightness(image, 0, 0) + 15);
@@ -302,7 +300,7 @@ TEST(MeshPreview, BadOptionsAreNamed) {
   refused("azimuth", [](RenderOptions& o) { o.view.direction.azimuth = NAN; });
   refused("elevation", [](RenderOptions& o) { o.view.direction.elevation = 91; });
   refused("field_of_view", [](RenderOptions& o) { o.view.field_of_view = 0; });
-  refused("background_color", [](RenderOptions& o) { o.look.background_color.y = 2; });
+  refused("background", [](RenderOptions& o) { o.look.background = Background::solid({1, 2, 1}); });
   refused("surface_color", [](RenderOptions& o) { o.look.surface_color.z = -0.5f; });
   refused("antialiasing", [](RenderOptions& o) { o.quality.samples = 9; });
   refused("occlusion_rays", [](RenderOptions& o) { o.quality.occlusion_rays = -1; });

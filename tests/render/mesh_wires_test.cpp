@@ -33,7 +33,7 @@ RenderOptions line_drawing(double width) {
   options.view.width = options.view.height = kSide;
   options.quality.samples = 4;
   options.view.direction = {0, 0};
-  options.look.background = PictureLook::Background::transparent;
+  options.look.background = Background::transparent();
   options.look.ground = options.look.shadows = options.look.smooth = false;
   options.quality.occlusion_rays = 0;
   options.look.wireframe = PictureLook::Wireframe::only;

@@ -135,7 +135,7 @@ TEST(PictureNotes, StandAroundTheVolumeAndLeaveItAlone) {
   const test::FormulaVolume field = test::constant_volume(0.5);
   VolumePictureOptions options;
   options.picture.view.width = 220, options.picture.view.height = 200, options.picture.quality.samples = 1;
-  options.picture.look.background = PictureLook::Background::solid;
+  options.picture.look.background = Background::solid({1, 1, 1});
   options.transfer = TransferFunction{"", {{0, {1, 0, 0}}, {1, {1, 0, 0}}}, {{0, 0.99}, {1, 0.99}}};
   options.shading = false;
   Progress progress;
@@ -229,7 +229,7 @@ TEST(PictureNotes, WhatReachesTheEdgeDoesNotGoOnBesideThePicture) {
   const Image red(60, 120, Rgba{1, 0, 0, 1});
   const std::vector<LegendEntry> some = {{{0, 0, 1}, "a"}};
   for (const bool clear : {false, true}) {
-    if (clear) options.look.background = PictureLook::Background::transparent;
+    if (clear) options.look.background = Background::transparent();
     const Image paper = paper_beside(options);
     const Image list = beside_legend(red, some, &paper);
     ASSERT_GT(list.width, 60);

@@ -29,7 +29,7 @@ RenderOptions front_view() {
   options.view.width = kPictureWidth, options.view.height = kPictureHeight;
   options.quality.samples = 2;
   options.view.direction = {0, 0};
-  options.look.background = PictureLook::Background::transparent;
+  options.look.background = Background::transparent();
   options.look.ground = options.look.shadows = false;
   options.quality.occlusion_rays = 0;
   return options;
@@ -274,11 +274,9 @@ TEST(CloudPicture, IsLitFromBehindAsSheetsAre) {
 
 TEST(PictureCrop, ContentIsFoundOnAnyBackground) {
   TriangleMesh ball = test::octasphere(4);
-  for (const auto background :
-       {PictureLook::Background::gradient, PictureLook::Background::solid, PictureLook::Background::transparent}) {
+  for (const auto background : {Background{}, Background::solid({0, 0, 0}), Background::transparent()}) {
     RenderOptions options = front_view();
     options.look.background = background;
-    options.look.background_color = {0, 0, 0};
     options.view.orthographic = true;
     const Image image = render_mesh(ball, options);
     const PixelBox box = picture_content(image, options, 0);

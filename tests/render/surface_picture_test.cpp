@@ -21,7 +21,6 @@ namespace sansmesh::inline v1 {
 namespace {
 
 using test::brightness;
-using Background = PictureLook::Background;
 
 SurfaceRenderOptions small_surface_picture() {
   SurfaceRenderOptions options;
@@ -124,13 +123,12 @@ TEST(SurfacePicture, GlassThatDoesNotRefractIsNotSeen) {
   const SurfaceCaster caster(sphere, test::sphere_balls(8000));
   SurfaceRenderOptions options = clear_picture();
   options.refraction_index = 1;
-  options.picture.look.background = Background::solid;
-  options.picture.look.background_color = {0.9f, 0.5f, 0.25f};
+  options.picture.look.background = Background::solid({0.9f, 0.5f, 0.25f});
   const Image image = render(caster, options);
   for (const auto& p : image.pixels)
     for (int k = 0; k < 3; ++k) ASSERT_NEAR(p[k], image.pixels[0][k], 1 / 255.0);
   // The wide gradient, too: neighbours along the rim of the sphere differ by no more than elsewhere.
-  options.picture.look.background = Background::gradient;
+  options.picture.look.background = Background{};
   const Image wide = render(caster, options);
   for (int y = 1; y < wide.height; ++y)
     for (int x = 1; x < wide.width; ++x) {
@@ -247,7 +245,7 @@ TEST(SurfacePicture, OpenSurfacesAreLitFromBehindToo) {
   }
   const SurfaceCaster caster(sphere, balls);
   SurfaceRenderOptions options = small_surface_picture();
-  options.picture.look.background = Background::transparent;
+  options.picture.look.background = Background::transparent();
   const Image image = render(caster, options);
   EXPECT_GT(covered(image), 1000);
   EXPECT_GT(brightness(image, 48, 36), 250);
@@ -274,7 +272,7 @@ TEST(SurfacePicture, ShadowsOfDiscsAreLikeThoseOfTheSurface) {
   }
   EXPECT_LT(off, 0.15 * all);
   // The same silhouette in all cases.
-  options.picture.look.background = Background::transparent;
+  options.picture.look.background = Background::transparent();
   const int pixels = covered(render(caster, options));
   options.plain = true;
   EXPECT_NEAR(covered(render(caster, options)), pixels, 0.03 * pixels);
@@ -287,7 +285,7 @@ TEST(SurfacePicture, SteadyViewsDoNotZoom) {
   points.push_back({-1, 0, 0});
   points.push_back({1, 0, 0});
   SurfaceRenderOptions options = small_surface_picture();
-  options.picture.look.background = Background::transparent;
+  options.picture.look.background = Background::transparent();
   const auto area = [&](double azimuth, bool steady) {
     options.picture.view.direction.azimuth = azimuth;
     options.picture.view.steady = steady;

@@ -71,7 +71,7 @@ VolumePictureOptions small_volume_picture(int size = 48) {
   VolumePictureOptions options;
   options.picture.view.width = options.picture.view.height = size;
   options.picture.quality.samples = 1;
-  options.picture.look.background = PictureLook::Background::transparent;
+  options.picture.look.background = Background::transparent();
   return options;
 }
 
