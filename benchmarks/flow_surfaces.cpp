@@ -114,11 +114,10 @@ void seconds() {
   for (const bool formula : {false, true}) {
     const std::string end = formula ? "" : ", lattice";
     const auto field = formula ? analytic_flow("tornado") : on_lattice(*tornado, {256, 128, 256});
-    for (const auto& [name, integrator] : {std::pair{"dopri5", Integrator::dopri5}, std::pair{"rk4", Integrator::rk4},
-                                           std::pair{"euler", Integrator::euler}}) {
+    for (const std::string_view integrator : {"dopri5", "rk4", "euler"}) {
       options.trace.integrator = integrator;
-      options.trace.step = integrator == Integrator::dopri5 ? std::optional<double>() : 0.01;
-      steps(2), time_surface(fmt::format("tornado{}, {}", end, name), *field, ground, options);
+      options.trace.step = integrator == "dopri5" ? std::optional<double>() : 0.01;
+      steps(2), time_surface(fmt::format("tornado{}, {}", end, integrator), *field, ground, options);
     }
     options.trace = {};
   }
@@ -159,12 +158,11 @@ void reach() {
   cases.push_back({"17 steps, linear between", FlowSurfaceKind::path, in_time(TimeInterpolation::linear)});
   cases.push_back({"17 steps, cubic between", FlowSurfaceKind::path, in_time(TimeInterpolation::cubic)});
   for (const Case& c : cases)
-    for (const auto& [name, integrator] :
-         {std::pair{"dopri5", Integrator::dopri5}, std::pair{"euler", Integrator::euler}}) {
+    for (const std::string_view integrator : {"dopri5", "euler"}) {
       options.kind = c.kind, options.trace = {};
       options.trace.integrator = integrator;
-      if (integrator == Integrator::euler) options.trace.step = 0.01;  // one from front to front
-      time_surface(fmt::format("{}, {}", c.name, name), *c.field, ground, options);
+      if (integrator == "euler") options.trace.step = 0.01;  // one from front to front
+      time_surface(fmt::format("{}, {}", c.name, integrator), *c.field, ground, options);
     }
 }
 

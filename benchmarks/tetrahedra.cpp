@@ -38,10 +38,10 @@ double seconds() { return std::chrono::duration<double>(std::chrono::steady_cloc
 struct Subject {
   std::string name;
   TetMesh mesh;
-  std::string thesis[4];  ///< frames a second there, in the order of DynamicsIntegrator
+  std::string thesis[4];  ///< frames a second there, in the order of kIntegrators
 };
 
-constexpr const char* kIntegrators[] = {"explicit Euler", "Verlet", "velocity Verlet", "implicit Euler"};
+constexpr const char* kIntegrators[] = {"explicit-euler", "verlet", "velocity-verlet", "implicit-euler"};
 
 TetMesh of_size_one(TetMesh mesh) {
   const Box3 box = bounds(mesh);
@@ -58,15 +58,15 @@ std::vector<std::uint32_t> lowest_of(const TetMesh& mesh) {
   return found;
 }
 
-void measure(const Subject& subject, SoftBodyModel model, DynamicsIntegrator integrator, double patience) {
+void measure(const Subject& subject, SoftBodyModel model, int integrator, double patience) {
   const std::size_t n = subject.mesh.vertices.size();
-  const bool is_implicit = integrator == DynamicsIntegrator::implicit_euler;
   SoftBodyOptions options;
-  options.model = model, options.integrator = integrator;
+  options.model = model, options.integrator = kIntegrators[integrator];
+  const bool is_implicit = options.integrator == "implicit-euler";
   options.total_mass = 0.2 * static_cast<double>(n), options.equal_masses = true;
   options.step = is_implicit ? 0.01 : 0.001;
   options.stiffness = is_implicit ? 30000 : 3000;
-  options.damping = integrator == DynamicsIntegrator::explicit_euler ? 3 : 1;
+  options.damping = options.integrator == "explicit-euler" ? 3 : 1;
   double volume = 0;
   for (const Tet& t : subject.mesh.tets) volume += tet_volume(t, subject.mesh.vertices);
   const double edge = std::cbrt(volume / static_cast<double>(subject.mesh.tets.size()) * 6 * std::sqrt(2.0));
@@ -89,15 +89,14 @@ void measure(const Subject& subject, SoftBodyModel model, DynamicsIntegrator int
     }
   } catch (const Error& error) {
     fmt::print("| {} | {} | {} | {} | | | | | {} |\n", subject.name, subject.mesh.tets.size(),
-               model == SoftBodyModel::springs ? "springs" : "elasticity", kIntegrators[static_cast<int>(integrator)],
-               error.what());
+               model == SoftBodyModel::springs ? "springs" : "elasticity", kIntegrators[integrator], error.what());
     return;
   }
   const double wall = median(walls), cpu = median(cpus);
   fmt::print("| {} | {} | {} | {} | {:.2f} | {:.2f} | {:.0f} | {:.0f} | {} |\n", subject.name, subject.mesh.tets.size(),
-             model == SoftBodyModel::springs ? "springs" : "elasticity", kIntegrators[static_cast<int>(integrator)],
-             1000 * wall, 1000 * cpu, 1 / wall, static_cast<double>(iterations) / static_cast<double>(walls.size()),
-             model == SoftBodyModel::springs ? subject.thesis[static_cast<int>(integrator)] : "");
+             model == SoftBodyModel::springs ? "springs" : "elasticity", kIntegrators[integrator], 1000 * wall,
+             1000 * cpu, 1 / wall, static_cast<double>(iterations) / static_cast<double>(walls.size()),
+             model == SoftBodyModel::springs ? subject.thesis[integrator] : "");
   std::fflush(stdout);
 }
 
@@ -153,7 +152,7 @@ int main(int argc, char** argv) {
       thread_count());
   for (const Subject& s : subjects) {
     for (const SoftBodyModel model : {SoftBodyModel::springs, SoftBodyModel::corotational}) {
-      for (int k = 0; k < 4; ++k) measure(s, model, static_cast<DynamicsIntegrator>(k), patience);
+      for (int k = 0; k < 4; ++k) measure(s, model, k, patience);
     }
     if (!peer.empty()) measure_peer(s, peer);
   }

@@ -91,15 +91,17 @@ function(sansmesh_group_sources target)
   endforeach()
 endfunction()
 
-# Defines LIST() of HEADER, the entries of a registry that the library has by itself: those of each SOURCE, in the
-# given order: SOURCE.cpp has SOURCE_methods(), or SOURCE() if it is called so. They are named here so that no linker drops a source that nothing else calls.
+# Defines LIST() of HEADER, the entries of a registry that the library has by itself: those of each SOURCE, in the given
+# order. With KINDS as the last word of LIST (own_volume_methods: methods), SOURCE.cpp has SOURCE_KINDS(), or SOURCE() if
+# its name ends so. They are named here so that no linker drops a source that nothing else calls.
 function(sansmesh_registry entry header list)
   set(declared "")
   set(called "")
+  string(REGEX REPLACE ".*_" "" kinds ${list})
   foreach(source IN LISTS ARGN)
-    string(REGEX REPLACE "_methods$" "" methods ${source})
-    string(APPEND declared "std::span<const ${entry}> ${methods}_methods();\n")
-    string(APPEND called "\n          ${methods}_methods(),")
+    string(REGEX REPLACE "_${kinds}$" "" name ${source})
+    string(APPEND declared "std::span<const ${entry}> ${name}_${kinds}();\n")
+    string(APPEND called "\n          ${name}_${kinds}(),")
     target_sources(sansmesh PRIVATE ${source}.cpp)
   endforeach()
   set(generated ${CMAKE_CURRENT_BINARY_DIR}/${list}.cpp)

@@ -1,21 +1,30 @@
 // Whatever bytes a file of points or a mesh holds, reading it ends with points whose arrays fit together, or with a
-// FileError of one printable line. The first byte chooses the format: a reader sees what it would never get through the
-// choice by content.
-#include <iterator>
+// FileError of one printable line. The first byte chooses the format, those with a source of their own after the
+// others: a reader sees what it would never get through the choice by content.
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/io/formats.h"
 #include "sansmesh/io/readers.h"
 #include "target.h"
 
 using namespace sansmesh;
 
+using Reader = PointSet (*)(const io::Input&);
+
+static std::vector<Reader> all_readers() {
+  std::vector<Reader> all = {io::read_ply,   io::read_obj, io::read_off, io::read_stl,
+                             io::read_table, io::read_pcd, io::read_las, io::read_vtp};
+  for (const FormatInfo* const format : formats())
+    if (format->id == FormatId::added && format->read_points) all.push_back(format->read_points);
+  return all;
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  using Reader = PointSet (*)(const io::Input&);
-  static constexpr Reader readers[] = {io::read_ply,   io::read_obj, io::read_off, io::read_stl,
-                                       io::read_table, io::read_pcd, io::read_las, io::read_vtp};
+  static const std::vector<Reader> readers = all_readers();
   static const std::string name = "fuzz.file";
   if (size < 2) return 0;  // readers are never given nothing
   const ThreadScope one(1);
@@ -23,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   ReadReport report;
   const io::Input in{name, bytes.view(), report};
   try {
-    fuzz::check_points(readers[data[0] % std::size(readers)](in));
+    fuzz::check_points(readers[data[0] % readers.size()](in));
     fuzz::check_report(report);
   } catch (const FileError& error) {
     fuzz::demand(std::string_view(error.what()).starts_with("fuzz.file: "), "an error that does not name the file");

@@ -1,5 +1,5 @@
 // A command of the tool: how it is spelled, and what happens when it was chosen. Each command's source has a function
-// add_NAME(app) that declares its options and returns it; command_table.cpp lists them.
+// add_NAME(app) that declares its options and returns it; CMakeLists.txt lists them.
 #pragma once
 
 #include <functional>

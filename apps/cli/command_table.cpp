@@ -46,12 +46,8 @@ Registry<CommandEntry>& CommandEntry::registry() {
 std::vector<Command> add_commands(CommandLine& line, CommonArguments& common) {
   line.footer(kExamples);
   add_common(line, common);
-  std::vector<Command> commands = {add_reconstruct(line), add_normals(line), add_assess(line),    add_info(line),
-                                   add_render(line),      add_project(line), add_curvature(line), add_advise(line),
-                                   add_fit(line),         add_mesh(line),    add_probe(line),     add_edit(line),
-                                   add_diagnose(line),    add_section(line), add_compare(line),   add_measure(line),
-                                   add_csg(line),         add_deform(line),  add_simulate(line),  add_convert(line),
-                                   add_align(line),       add_fill(line),    add_simplify(line),  add_smooth(line)};
+  std::vector<Command> commands;
+  for (const auto add : own_commands()) commands.push_back(add(line));
   for (Command& command : add_volume(line)) commands.push_back(std::move(command));
   for (Command& command : add_flow(line)) commands.push_back(std::move(command));
   for (const CommandEntry* const entry : CommandEntry::registry().all()) commands.push_back(entry->add(line));

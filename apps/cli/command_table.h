@@ -13,6 +13,9 @@ struct CommonArguments {
   int threads = 0;
 };
 
+/// Those that apps/cli/CMakeLists.txt lists, in its order, from which the definition is made.
+std::vector<Command (*)(CommandLine& app)> own_commands();
+
 /// Declares the commands and their options. `line` is the whole tool; it and `common` live until a command has run.
 std::vector<Command> add_commands(CommandLine& line, CommonArguments& common);
 

@@ -1,4 +1,4 @@
-// The commands, each in its own source.
+// Commands that apps/cli/CMakeLists.txt does not list: those about the tool itself, groups, and the commands of these.
 #pragma once
 
 #include <string>
@@ -8,30 +8,6 @@
 
 namespace sansmesh::cli {
 
-Command add_reconstruct(CommandLine& app);
-Command add_convert(CommandLine& app);
-Command add_normals(CommandLine& app);
-Command add_assess(CommandLine& app);
-Command add_info(CommandLine& app);
-Command add_render(CommandLine& app);
-Command add_project(CommandLine& app);
-Command add_curvature(CommandLine& app);
-Command add_advise(CommandLine& app);
-Command add_fit(CommandLine& app);
-Command add_mesh(CommandLine& app);
-Command add_probe(CommandLine& app);
-Command add_edit(CommandLine& app);
-Command add_diagnose(CommandLine& app);
-Command add_section(CommandLine& app);
-Command add_compare(CommandLine& app);
-Command add_measure(CommandLine& app);
-Command add_csg(CommandLine& app);
-Command add_simulate(CommandLine& app);
-Command add_align(CommandLine& app);
-Command add_fill(CommandLine& app);
-Command add_simplify(CommandLine& app);
-Command add_smooth(CommandLine& app);
-Command add_deform(CommandLine& app);
 Command add_help(CommandLine& app);
 Command add_completion(CommandLine& app);
 Command add_manual(CommandLine& app);

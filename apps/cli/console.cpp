@@ -92,6 +92,11 @@ void Console::say(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) say(in_flags(line));
 }
 
+void Console::say_of(const std::string& name, std::vector<std::string> lines) {
+  lines.at(0) = name + ": " + lines[0];
+  say(lines);
+}
+
 void Console::say(const std::string& title, const std::string& text, int width) { say(titled(title, text, width)); }
 
 void Console::check_announced(const ToldReport& told) const {

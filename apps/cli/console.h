@@ -48,6 +48,8 @@ class Console {
   void say(const std::string& line);
   /// Several lines, in which options are named as in messages of the library.
   void say(const std::vector<std::string>& lines);
+  /// The same of what has a name: "scan.ply: " stands before the first.
+  void say_of(const std::string& name, std::vector<std::string> lines);
   /// The same with a title: "area            0.5".
   void say(const std::string& title, const std::string& text, int width = 16);
   /// A result for programs: what a report tells, under a key or beside the others. Printed with --json, once all is

@@ -58,8 +58,7 @@ void run_curvature(const CurvatureArguments& a, Console& console) {
   console.tell(a.input.told(read, made.points.size()), "input");
   console.tell(r);
   console.tell(ToldFile{a.output}, "output");
-  console.say(name + " (" + read.format + "):");
-  console.say(summary_of(made));
+  console.say_of(name + " (" + read.format + ")", summary_of(made));
   console.say(
       fmt::format("{}: k1 k2 mean_curvature gaussian_curvature curvedness shape_index d1 d2, colours of {} up to ±{}",
                   a.output, quantity_word(r.color_by), length(r.color_range)));

@@ -29,6 +29,8 @@ struct FlowInput {
 
 /// DATA, --array and --method, --unsteady, --times, --time-interpolation and --memory.
 void add_flow_input(CommandLine& command, FlowInput& input);
+/// The same with the options of the surfaces of a flow: --seeds, --kind, --direction, …
+void add_flow_surface_input(CommandLine& command, FlowInput& input, TraceSurfaceOptions& options);
 
 /// --times
 void add_times_option(CommandLine& command, std::vector<double>& times, const char* group = nullptr);

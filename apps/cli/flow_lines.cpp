@@ -61,8 +61,7 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   console.tell(made.report);
   if (picture) console.tell(ToldFile{a.preview}, "preview"), console.tell(*picture, "preview");
 
-  console.say(flow.name() + ":");
-  console.say(summary_of(made));
+  console.say_of(flow.name(), summary_of(made));
   if (picture)
     console.say(fmt::format("{}: colours by {} over {:.6g} to {:.6g}, tubes of radius {}", a.preview, picture->color_by,
                             picture->lower, picture->upper, length(picture->radius)));

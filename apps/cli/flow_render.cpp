@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "commands.h"
-#include "flow_surface_input.h"
+#include "flow_input.h"
 #include "option_groups.h"
 #include "sansmesh/flow_pictures.h"
 #include "sansmesh/io.h"
@@ -44,8 +44,7 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
   console.tell(a.input.told(flow, console.progress()), "input");
   console.tell(files.written(), "output");
   console.tell(made);
-  console.say(flow.name() + ":");
-  console.say(summary_of(made.surface));
+  console.say_of(flow.name(), summary_of(made.surface));
   console.say(
       fmt::format("{}: {} × {} pixels", files.written().words(), files.written().width, files.written().height));
 }

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "commands.h"
-#include "flow_surface_input.h"
+#include "flow_input.h"
 #include "option_groups.h"
 
 namespace sansmesh::cli {
@@ -30,8 +30,7 @@ void run_flow_surface(const FlowSurfaceArguments& a, Console& console) {
   console.tell(a.input.told(flow, console.progress()), "input");
   console.tell(made);
 
-  console.say(flow.name() + ":");
-  console.say(summary_of(made.surface.report));
+  console.say_of(flow.name(), summary_of(made.surface.report));
   console.say(fmt::format("{}: {}, {} vertices, area {:.6g}", a.mesh.file, counted(mesh.triangles.size(), "triangle"),
                           grouped(mesh.vertices.size()), made.area));
 }

@@ -56,8 +56,7 @@ void run_probe(const ProbeArguments& a, Console& console) {
   console.tell(r);
   if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
 
-  console.say(a.input + ":");
-  console.say(summary_of(made));
+  console.say_of(a.input, summary_of(made));
   if (r.points <= kListedPoints) console.tell(made.values, "values");
 }
 

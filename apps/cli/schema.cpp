@@ -7,6 +7,8 @@
 
 #include "commands.h"
 #include "json.h"
+#include "sansmesh/dynamics/body_integrator.h"
+#include "sansmesh/flow/flow_integrator.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/model/surface_method.h"
 #include "sansmesh/volume/volume_method.h"
@@ -108,6 +110,7 @@ Json json_of_surfaces() {
   Json list = Json::array();
   for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) {
     Json one = json_of_method(*method);
+    for (const OptionRow& own : method->own) one["uses"].push_back(own.name);
     one["page"] = method->page;
     list.push_back(std::move(one));
   }
@@ -121,6 +124,24 @@ Json json_of_volume_methods() {
     one["grids"] = method->grids;
     list.push_back(std::move(one));
   }
+  return list;
+}
+
+Json json_of_flow_integrators() {
+  Json list = Json::array();
+  for (const FlowIntegrator* const one : FlowIntegrator::registry().all())
+    list.push_back({{"name", one->name},
+                    {"text", one->summary},
+                    {"order", one->order},
+                    {"adaptive", one->adaptive},
+                    {"reach", one->reach}});
+  return list;
+}
+
+Json json_of_body_integrators() {
+  Json list = Json::array();
+  for (const BodyIntegrator* const one : BodyIntegrator::registry().all())
+    list.push_back({{"name", one->name}, {"text", one->summary}, {"implicit", one->is_implicit}});
   return list;
 }
 
@@ -163,16 +184,25 @@ Command add_schema_command(CommandLine& app) {
       "infinite;\n"
       "those of `above` and `below` are excluded. `report` has the keys of --json: `key` (\"places[].radius\" of a\n"
       "list), `kind`, `text`, `unit`, `choices`, and `optional` where it may be null. `surfaces` and `volume_methods`\n"
-      "are the methods of --surface and, for volumes, of --method, with the fields that they use; `formats` the files\n"
-      "that are read and written, by ending.\n\n"
+      "are the methods of --surface and, for volumes, of --method, with the fields that they use; `flow_integrators`\n"
+      "those of --integrator of flows: their `order`, whether their steps follow the tolerance (`adaptive`), and how "
+      "far\n"
+      "a step goes by itself (`reach`, of the diagonal); `body_integrators` those of --integrator of bodies, and "
+      "whether\n"
+      "their steps solve systems (`implicit`); `formats` the files that are read and written, by ending.\n\n"
       "Examples:\n"
       "  sansmesh schema > schema.json");
   return {&c, [&app](Console&) {
             Json commands = Json::array();
             add_commands_of(app, commands);
-            const Json json = {{"schema", kSchemaVersion},       {"version", SANSMESH_VERSION},
-                               {"common", json_of_options(app)}, {"commands", commands},
-                               {"surfaces", json_of_surfaces()}, {"volume_methods", json_of_volume_methods()},
+            const Json json = {{"schema", kSchemaVersion},
+                               {"version", SANSMESH_VERSION},
+                               {"common", json_of_options(app)},
+                               {"commands", commands},
+                               {"surfaces", json_of_surfaces()},
+                               {"volume_methods", json_of_volume_methods()},
+                               {"flow_integrators", json_of_flow_integrators()},
+                               {"body_integrators", json_of_body_integrators()},
                                {"formats", json_of_formats()}};
             print_out(text_of(json));
           }};

@@ -24,13 +24,6 @@ namespace sansmesh::inline v1 {
 
 // ---- Particles ---------------------------------------------------------------------------------------------------
 
-/// Steps of particles.
-enum class Integrator : std::uint8_t {
-  euler,  ///< the source's: first order
-  rk4,    ///< Runge and Kutta's classical one: fourth order
-  dopri5  ///< Dormand and Prince's pair of orders 5 and 4: steps as long as the tolerance allows
-};
-
 /// Direction of particles from their seeds.
 enum class FlowDirection : std::uint8_t { forward, backward, both };
 
@@ -49,8 +42,11 @@ inline constexpr std::string_view kTraceEndWords[] = {"time",           "length"
 
 /// How particles are followed.
 struct SANSMESH_API TraceOptions {
-  Integrator integrator = Integrator::dopri5;  ///< of the steps
-  bool backward = false;                       ///< against the flow, to earlier moments
+  /// How steps are made, by name: "euler" (the source's, of first order), "rk4" (Runge and Kutta's classical ones, of
+  /// fourth order), "dopri5" (Dormand and Prince's pair of orders 5 and 4: as long as the tolerance allows), or what a
+  /// program adds.
+  std::string integrator = "dopri5";
+  bool backward = false;  ///< against the flow, to earlier moments
   /// Error of a step of dopri5 (length, > 0). Default: 10⁻⁵ of the diagonal of the field's bounds.
   std::optional<double> tolerance = {};
   /// How far a step goes (length, > 0): of euler and rk4 as far as that at the speed where it starts, of dopri5 at

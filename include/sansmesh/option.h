@@ -83,7 +83,7 @@ struct OptionRow : OptionFacts {
   bool optional = false;               ///< may be left to the data
   bool step = false;                   ///< one of `steps`: setting it adds a step to the list
   int count = 1;                       ///< of numbers
-  /// Reads the field of a struct; null for groups. Choices come as numbers: see option_value.
+  /// Reads the field of a struct; null for groups. Choices come as numbers, or as words: see option_value.
   OptionValue (*get)(const void* options) = nullptr;
   /// Writes the field of a struct, without any check; null for groups. See set_option.
   void (*set)(void* options, const OptionValue& value) = nullptr;
@@ -327,7 +327,7 @@ SANSMESH_API void for_each_option(const OptionSchema& schema, void* options,
 SANSMESH_API void for_each_option(const OptionSchema& schema, const void* options,
                                   const std::function<void(const OptionRow& row, const void* owner)>& use);
 
-/// Value of a row's field in the struct `owner`, choices as words. Throws ArgumentError for enumerators without one.
+/// Value of a row's field in the struct `owner`, choices as words. Throws ArgumentError for what is none of these.
 SANSMESH_API OptionValue option_value(const OptionRow& row, const void* owner);
 /// Sets a row's field in the struct `owner`: checks kind, range and words. Whole numbers are taken for real ones.
 /// Throws ArgumentError.

@@ -20,7 +20,7 @@ struct SANSMESH_API ReconstructionOptions {
   std::optional<int> iterations = {};      ///< amls: times that residuals are added, 0..100
   std::optional<double> epsilon = {};      ///< amls: ε, 0.05..10: small is smooth
   std::optional<int> order = {};           ///< amls: 2, 4 or 6
-  std::optional<double> radius = {};       ///< mls, rbf, shepard: in spacings, 1..10
+  std::optional<double> radius = {};       ///< of the supports of methods that have some: in spacings, 1..10
   /// amls: balls about the samples, as wide as their farthest neighbour is away, in place of ellipsoids; for
   /// comparison. Not for lattices (uniform and rectilinear grids), whose supports follow their steps.
   std::optional<bool> spherical = {};

@@ -52,19 +52,19 @@ SANSMESH_API SceneScript read_scene(const std::string& file, const std::string& 
 
 /// What the scene, or nobody, says of a body. What is not given here either follows from the data.
 struct SANSMESH_API SimulateOptions {
-  std::optional<SoftBodyModel> model = {};            ///< default: springs, but with `young`
-  std::optional<double> stiffness = {};               ///< of springs, N/m, > 0
-  std::optional<double> young = {};                   ///< Young's modulus, Pa, > 0
-  std::optional<double> poisson = {};                 ///< Poisson's ratio, 0..0.49
-  std::optional<double> damping = {};                 ///< of springs, N s/m; of elasticity, s; >= 0
-  std::optional<double> density = {};                 ///< kg/m³, > 0
-  std::optional<LengthUnit> unit = {};                ///< of lengths in the body's file and the scene
-  std::optional<double> duration = {};                ///< s, > 0. Of `duration`, `fps` and `frames` two at most
-  std::optional<double> fps = {};                     ///< frames a second, > 0
-  std::optional<int> frames = {};                     ///< the body at rest among them, >= 2
-  std::optional<DynamicsIntegrator> integrator = {};  ///< default: implicit Euler
-  std::optional<double> longest_step = {};            ///< s, > 0
-  bool z_up = false;                                  ///< gravity pulls along −z, whatever the scene says
+  std::optional<SoftBodyModel> model = {};     ///< default: springs, but with `young`
+  std::optional<double> stiffness = {};        ///< of springs, N/m, > 0
+  std::optional<double> young = {};            ///< Young's modulus, Pa, > 0
+  std::optional<double> poisson = {};          ///< Poisson's ratio, 0..0.49
+  std::optional<double> damping = {};          ///< of springs, N s/m; of elasticity, s; >= 0
+  std::optional<double> density = {};          ///< kg/m³, > 0
+  std::optional<LengthUnit> unit = {};         ///< of lengths in the body's file and the scene
+  std::optional<double> duration = {};         ///< s, > 0. Of `duration`, `fps` and `frames` two at most
+  std::optional<double> fps = {};              ///< frames a second, > 0
+  std::optional<int> frames = {};              ///< the body at rest among them, >= 2
+  std::optional<std::string> integrator = {};  ///< by name; default: implicit-euler
+  std::optional<double> longest_step = {};     ///< s, > 0
+  bool z_up = false;                           ///< gravity pulls along −z, whatever the scene says
 
   /// The rows of these options.
   static const OptionSchema& schema();

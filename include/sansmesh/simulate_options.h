@@ -27,19 +27,14 @@ enum class SoftBodyModel : std::uint8_t {
   corotational,  ///< linear elasticity in each tetrahedron's own rotation: stiffness in pascals
 };
 
-/// How a body goes from step to step.
-enum class DynamicsIntegrator : std::uint8_t {
-  explicit_euler,
-  verlet,           ///< Störmer's, by positions: damping by the velocity of half a step before
-  velocity_verlet,  ///< damping by velocities at the same moment
-  implicit_euler,   ///< Baraff and Witkin's [baraff1998]: stable for stiff bodies and long steps
-};
-
 /// What a body is made of and how it is integrated.
 struct SANSMESH_API SoftBodyOptions {
-  SoftBodyModel model = SoftBodyModel::springs;                        ///< what keeps it in shape
-  DynamicsIntegrator integrator = DynamicsIntegrator::implicit_euler;  ///< how it goes on
-  double step = 0.01;                                                  ///< h, seconds, > 0
+  SoftBodyModel model = SoftBodyModel::springs;  ///< what keeps it in shape
+  /// How it goes from step to step, by name: "implicit-euler" (Baraff and Witkin's [baraff1998]: stable for stiff
+  /// bodies and long steps), "explicit-euler", "verlet" (Störmer's, by positions: damping by the velocity of half a
+  /// step before), "velocity-verlet" (damping by velocities at the same moment), or what a program adds.
+  std::string integrator = "implicit-euler";
+  double step = 0.01;  ///< h, seconds, > 0
 
   // Springs.
   double stiffness = 3000;  ///< k_s of every edge, N/m, > 0
@@ -69,8 +64,6 @@ struct SANSMESH_API SoftBodyOptions {
 
 /// "springs", "corotational".
 SANSMESH_API std::string_view word_of(SoftBodyModel model);
-/// "explicit-euler", "verlet", "velocity-verlet", "implicit-euler".
-SANSMESH_API std::string_view word_of(DynamicsIntegrator integrator);
 
 // ---- Scenes ------------------------------------------------------------------------------------------------------
 
@@ -148,7 +141,7 @@ struct SceneVertices {
 struct SceneScript {
   std::string file = {};                                                  ///< that it was read from
   std::optional<SoftBodyModel> model;                                     ///< of the body
-  std::optional<DynamicsIntegrator> integrator;                           ///< of the motion
+  std::optional<std::string> integrator;                                  ///< of the motion
   std::optional<double> step, duration, frames_per_second;                ///< s, s, 1/s
   std::optional<double> unit;                                             ///< metres of the file's unit of length
   std::optional<bool> z_up;                                               ///< z points up

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -98,8 +100,10 @@ struct SANSMESH_API SurfaceOptions {
   std::optional<double> error = {};  ///< accepted distance of samples from the shape of their cell (length)
   std::optional<int> depth = {};     ///< deepest level of the octree, 2..14
   bool smooth = false;               ///< no edges and corners
+  /// Options that a surface has for itself, by name, as rows of schema(): of those that programs add.
+  std::map<std::string, OptionValue, std::less<>> own = {};
 
-  static const OptionSchema& schema();  ///< a row a field
+  static const OptionSchema& schema();  ///< a row a field, and one for each of `own`
   /// Throws ArgumentError naming the field: for values out of range, and for those that mean nothing to the method.
   void validate() const;
 };

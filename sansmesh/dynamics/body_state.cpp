@@ -8,7 +8,6 @@
 #include <string>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/dynamics/vibration_bounds.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -48,7 +47,7 @@ double BodyState::largest_eigenvalue(double h, double unit, bool handles) {
 }
 
 double BodyState::stable_step() {
-  if (options.integrator == DynamicsIntegrator::implicit_euler) return std::numeric_limits<double>::infinity();
+  if (!integrator.stable_step) return std::numeric_limits<double>::infinity();
   // The matrix h² K + h D of a long step is K alone, that of a short one D.
   constexpr double kLong = 1e6, kShort = 1e-9;
   const bool springs = options.model == SoftBodyModel::springs;
@@ -61,20 +60,20 @@ double BodyState::stable_step() {
   found.relative_decay = springs ? options.damping / options.stiffness : options.stiffness_damping;
   found.decay = found.uniform_decay;
   if (found.relative_decay > 0) found.decay += largest_eigenvalue(kShort, kShort, false);
-  return 0.9 * sansmesh::stable_step(options.integrator, found);
+  return 0.9 * sansmesh::stable_step(integrator, found);
 }
 
 void BodyState::explode(std::span<const Vec3> at) {
   const std::string what = fmt::format("the body explodes after {:.4g} s, first at {}", time, model->worst(at, names));
-  if (options.integrator == DynamicsIntegrator::implicit_euler) {
+  if (!integrator.stable_step) {
     throw DataError(fmt::format("{}: take a shorter `step` than {:.4g} s, or weaker forces", what, options.step));
   }
   const double stable = stable_step();
   if (!(stable > 0)) {
     throw DataError(
-        fmt::format("{}: explicit Euler is not stable without damping, however short the `step`: take "
+        fmt::format("{}: {} is not stable without damping, however short the `step`: take "
                     "`integrator = velocity-verlet` or `implicit-euler`",
-                    what));
+                    what, integrator.name));
   }
   throw DataError(fmt::format("{}: take a `step` of {:.2g} s (now {:.4g} s), or `integrator = implicit-euler`", what,
                               stable < options.step ? stable : options.step / 4, options.step));

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/dynamics/elastic_model.h"
 #include "sansmesh/dynamics/obstacle_set.h"
 #include "sansmesh/dynamics/scene_drive.h"
@@ -17,9 +18,10 @@ namespace sansmesh::inline v1 {
 
 struct BodyState {
   BodyState(const SoftBodyOptions& with, const DynamicsScene& scene, SceneDrive driven)
-      : options(with), obstacles(scene), drive(std::move(driven)) {}
+      : options(with), integrator(body_integrator(with.integrator)), obstacles(scene), drive(std::move(driven)) {}
 
   SoftBodyOptions options;
+  const BodyIntegrator& integrator;
   std::unique_ptr<ElasticModel> model;
   ObstacleSet obstacles;
   SceneDrive drive;

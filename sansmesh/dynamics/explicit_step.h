@@ -1,25 +1,36 @@
-// A step of the explicit methods: Euler's, Verlet's, velocity Verlet's.
+// What the steps of explicit integrators have in common: held vertices, and obstacles.
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
+#include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/dynamics/body_state.h"
 
 namespace sansmesh::inline v1 {
 
-class ExplicitStepper {
+class ExplicitStepper : public BodyStepper {
  public:
-  /// One after the other, of the same body and the same method. Throws DataError where the body explodes.
-  void step(BodyState& body, double h, StepReport& report);
-  /// The body is not where it was left.
-  void reset() { known_ = false; }
+  void step(BodyState& body, double h, StepReport& report) final;
+
+ protected:
+  static constexpr std::size_t kExplicitRows = 2048;  ///< vertices a task
+
+  /// `by_velocity_before`: move() takes positions on by the velocities at the beginning, which obstacles had corrected.
+  explicit ExplicitStepper(bool by_velocity_before) : by_velocity_before_(by_velocity_before) {}
+
+  /// Positions and velocities of the free body after h seconds from body.time on.
+  virtual void move(BodyState& body, double h) = 0;
+  /// Held vertices are where they are at body.time, the end, others out of obstacles: what is left to do.
+  virtual void arrive(BodyState& body, double h);
 
  private:
-  int finish(BodyState& body, double h, std::span<const Vec3> held) const;
+  int settle(BodyState& body, double h, std::span<const Vec3> held) const;
+  void give_velocities(BodyState& body, double h, std::span<const Vec3> held) const;
 
-  std::vector<Vec3> force_, guess_, held_before_;
-  bool known_ = false;  ///< velocity Verlet: force_ is that at the body's positions
+  bool by_velocity_before_;
+  std::vector<Vec3> held_before_;
 };
 
 }  // namespace sansmesh::inline v1

@@ -1,6 +1,7 @@
 #include "sansmesh/dynamics/implicit_step.h"
 
 #include <algorithm>
+#include <memory>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
@@ -249,5 +250,17 @@ void ImplicitStepper::step(BodyState& body, double h, StepReport& report) {
   }
   report.time = body.time;
 }
+
+namespace {
+
+constexpr BodyIntegrator kImplicit[] = {
+    {.name = "implicit-euler",
+     .summary = "Baraff and Witkin's, for stiff bodies and long steps",
+     .make = []() -> std::unique_ptr<BodyStepper> { return std::make_unique<ImplicitStepper>(); },
+     .is_implicit = true}};
+
+}  // namespace
+
+std::span<const BodyIntegrator> implicit_step_integrators() { return kImplicit; }
 
 }  // namespace sansmesh::inline v1

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "sansmesh/dynamics/block_solver.h"
+#include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/dynamics/body_state.h"
 
 namespace sansmesh::inline v1 {
@@ -20,12 +21,11 @@ struct VertexTouch {
   Vec3 drag;             ///< unit, the direction of friction
 };
 
-class ImplicitStepper {
+class ImplicitStepper : public BodyStepper {
  public:
   /// In parts where conjugate gradients do not converge. Throws DataError where they never do, or the body explodes.
-  void step(BodyState& body, double h, StepReport& report);
-  /// The body is not where it was left.
-  void reset() { touches_.clear(); }
+  void step(BodyState& body, double h, StepReport& report) override;
+  void reset() override { touches_.clear(); }
 
  private:
   bool part(BodyState& body, double h, StepReport& report);

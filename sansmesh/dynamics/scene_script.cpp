@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/dynamics/length_unit.h"
 #include "sansmesh/dynamics/scene_fields-inl.h"
 #include "sansmesh/error.h"
@@ -85,8 +86,9 @@ class SceneReader {
       if (!s.model) f.fail("'model' must be springs or corotational");
     }
     if (f.has("integrator")) {
-      s.integrator = dynamics_integrator(f.text("integrator"));
-      if (!s.integrator) f.fail("'integrator' must be implicit-euler, explicit-euler, verlet or velocity-verlet");
+      s.integrator = f.text("integrator");
+      const Registry<BodyIntegrator>& known = BodyIntegrator::registry();
+      if (!known.find(*s.integrator)) f.fail("'integrator' must be one of " + known.names());
     }
     for (const auto& [key, value] : {std::pair{"step", &s.step},
                                      {"duration", &s.duration},
@@ -343,20 +345,10 @@ SceneScript parse_scene_script(const std::string& text, const SceneVertices& ver
 }
 
 std::string_view word_of(SoftBodyModel model) { return kModelWords[static_cast<std::size_t>(model)]; }
-std::string_view word_of(DynamicsIntegrator integrator) {
-  return kIntegratorWords[static_cast<std::size_t>(integrator)];
-}
 
 std::optional<SoftBodyModel> soft_body_model(std::string_view word) {
   for (const auto m : {SoftBodyModel::springs, SoftBodyModel::corotational})
     if (word == word_of(m)) return m;
-  return std::nullopt;
-}
-
-std::optional<DynamicsIntegrator> dynamics_integrator(std::string_view word) {
-  using I = DynamicsIntegrator;
-  for (const I i : {I::implicit_euler, I::explicit_euler, I::verlet, I::velocity_verlet})
-    if (word == word_of(i)) return i;
   return std::nullopt;
 }
 

@@ -8,8 +8,6 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dynamics/body_state.h"
 #include "sansmesh/dynamics/corotational_model.h"
-#include "sansmesh/dynamics/explicit_step.h"
-#include "sansmesh/dynamics/implicit_step.h"
 #include "sansmesh/dynamics/spring_model.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
@@ -41,8 +39,7 @@ struct SoftBody::State {
   std::vector<std::uint32_t> order;  ///< vertices of the mesh as the body has them
   std::vector<std::uint32_t> place;  ///< and the other way round
   std::unique_ptr<BodyState> body;
-  ExplicitStepper explicit_stepper;
-  ImplicitStepper implicit_stepper;
+  std::unique_ptr<BodyStepper> stepper;
 
   std::vector<Vec3> in_order(std::span<const Vec3> values) const {
     std::vector<Vec3> sorted(values.size());
@@ -76,6 +73,7 @@ SoftBody::SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene s
 
   s.body = std::make_unique<BodyState>(options, s.scene, SceneDrive(s.scene, rest, s.place, loose));
   BodyState& body = *s.body;
+  s.stepper = body.integrator.make();
   body.names = s.order;
   body.is_held.assign(n, 0);
   for (const std::uint32_t i : body.drive.held()) body.is_held[i] = 1;
@@ -114,14 +112,7 @@ StepReport SoftBody::advance(double duration) {
   const double steps = std::max(1.0, std::ceil(duration / options().step * (1 - 1e-12)));
   const double h = duration / steps;
   StepReport report;
-  for (double k = 0; k < steps; ++k) {
-    if (options().integrator == DynamicsIntegrator::implicit_euler) {
-      state_->implicit_stepper.step(*state_->body, h, report);
-    } else {
-      state_->explicit_stepper.step(*state_->body, h, report);
-      report.shortest = h;
-    }
-  }
+  for (double k = 0; k < steps; ++k) state_->stepper->step(*state_->body, h, report);
   return report;
 }
 
@@ -176,7 +167,7 @@ void SoftBody::set_state(std::span<const Vec3> positions, std::span<const Vec3> 
     body.x[body.drive.held()[k]] = held[k], body.v[body.drive.held()[k]] = {};
   }
   body.lag = 0;
-  state_->explicit_stepper.reset(), state_->implicit_stepper.reset();
+  state_->stepper->reset();
 }
 
 namespace {

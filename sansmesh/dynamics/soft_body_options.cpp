@@ -5,6 +5,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -45,6 +46,12 @@ void check_handle(std::size_t entry, const PulledHandle& handle) {
 }  // namespace
 
 void SoftBodyOptions::validate() const {
+  const Registry<BodyIntegrator>& known = BodyIntegrator::registry();
+  if (!known.find(integrator))
+    throw ArgumentError(ArgumentFault{.field = "integrator",
+                                      .value = "'" + printable(integrator, 60) + "'",
+                                      .allowed = "one of " + known.names(),
+                                      .remedy = {}});
   check_argument(is_positive(step), "`step` must be a positive time");
   check_argument(is_positive(stiffness), "`stiffness` must be positive");
   check_argument(is_not_negative(damping), "`damping` must be at least 0");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/dynamics/stable_step.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
@@ -63,13 +64,13 @@ SoftBodyOptions suited_options(const SceneScript& s, const TetMesh& mesh) {
   o.mass_damping = s.mass_damping.value_or(o.mass_damping);
   o.stiffness_damping = s.stiffness_damping.value_or(kSuitedDamping);
   o.step = s.step.value_or(kSuitedStep);
-  if (!s.step && o.integrator != DynamicsIntegrator::implicit_euler) {
+  if (!s.step && body_integrator(o.integrator).stable_step) {
     const double stable = stable_step(mesh, o, scaled(s.scene, s.unit.value_or(1)));
     if (!(stable > 0))
       throw ArgumentError(
           fmt::format("{} is not stable however short the step where nothing damps, or handles hang on springs: take "
-                      "{}, or more damping",
-                      word_of(o.integrator), word_of(DynamicsIntegrator::velocity_verlet)));
+                      "velocity-verlet, or more damping",
+                      o.integrator));
     o.step = std::min(kSuitedStep, kSafeStep * stable);
   }
   return o;

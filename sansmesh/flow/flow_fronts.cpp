@@ -8,6 +8,7 @@
 
 #include "sansmesh/core/median.h"
 #include "sansmesh/error.h"
+#include "sansmesh/flow/flow_integrator.h"
 #include "sansmesh/flow/particles_ahead.h"
 
 namespace sansmesh::inline v1 {
@@ -358,8 +359,8 @@ class Fronts {
     std::vector<std::uint32_t> all(s.size());
     for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<std::uint32_t>(k);
     p = particles_at(field_, curve_.at(s), std::vector<double>(s.size(), start_));
-    // With the steps that its neighbours made, where steps make a difference.
-    if (trace_.integrator == Integrator::euler)
+    // With the steps that its neighbours made, where steps make much of a difference.
+    if (FlowIntegrator::registry().at(trace_.integrator).order == 1)
       for (const double moment : moments_) move_particles(field_, p, all, moment, trace_);
     move_particles(field_, p, all, from, trace_);
     was = p.positions;

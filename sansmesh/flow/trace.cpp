@@ -1,10 +1,13 @@
 #include "sansmesh/flow/trace.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -12,16 +15,18 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/flow/flow_integrator.h"
+#include "sansmesh/schema/registry_words.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kTolerance = 1e-5, kStep = 1e-3, kLongestStep = 0.02;  // of the diagonal
+constexpr double kTolerance = 1e-5;  // of the diagonal
 /// Steps that leave the field are halved until they are shorter than this, of the diagonal: then that is its boundary.
 constexpr double kAtBoundary = 1e-7;
 /// Those after one that left go so much of the straight way to the side of the field's box.
 constexpr double kNearlyOut = 0.98;
-/// Dormand and Prince's next step: what the error allows, a little less, and no sudden changes.
+/// The next step by the tolerance: what the error allows, a little less, and no sudden changes.
 constexpr double kCaution = 0.9, kMostShrink = 0.2, kMostGrowth = 5;
 /// Lines have points between the ends of steps, so that they turn by no more than this from one to the next (radians),
 /// and are no farther from their chords than this, of the diagonal; so many parts of a step at most. A point as near as
@@ -33,28 +38,8 @@ constexpr std::uint32_t kCircling = 64;
 constexpr double kCircle = 32;
 /// Particles that a thread moves together: many enough for what a batch costs.
 constexpr std::size_t kTogether = 128;
-constexpr std::size_t kStages = 7;
 
-// Dormand & Prince 1980; the interpolation between both ends of a step is Shampine's, as Hairer, Nørsett & Wanner give
-// it.
-constexpr std::array<double, kStages> kMoment{0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1, 1};
-constexpr std::array<std::array<double, 6>, kStages> kStage{{
-    {},
-    {1.0 / 5},
-    {3.0 / 40, 9.0 / 40},
-    {44.0 / 45, -56.0 / 15, 32.0 / 9},
-    {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
-    {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
-    {35.0 / 384, 0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84},
-}};
-constexpr std::array<double, kStages> kError{71.0 / 57600,      0,          -71.0 / 16695, 71.0 / 1920,
-                                             -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
-constexpr std::array<double, kStages> kBetween{-12715105075.0 / 11282082432,  0,
-                                               87487479700.0 / 32700410799,   -10690763975.0 / 1880347072,
-                                               701980252875.0 / 199316789632, -1453857185.0 / 822651844,
-                                               69997945.0 / 29380423};
-
-/// A step that was made: the ends, and what lies between them.
+/// The step of a particle: the ends, and what lies between them.
 struct Step {
   std::uint32_t particle;
   double from, to;                  // moments
@@ -84,12 +69,12 @@ struct Limits {
 
 class Stepper {
  public:
-  Stepper(const VectorField& field, const TraceOptions& options) : field_(field), options_(options) {
+  Stepper(const VectorField& field, const TraceOptions& options)
+      : options_(options), integrator_(FlowIntegrator::registry().at(options.integrator)), step_(field) {
     box_ = field.bounds();
     const double diagonal = box_.diagonal();
-    const bool adaptive = options.integrator == Integrator::dopri5;
     tolerance_ = trace_tolerance(field, options);
-    reach_ = options.step.value_or((adaptive ? kLongestStep : kStep) * diagonal);
+    reach_ = options.step.value_or(integrator_.reach * diagonal);
     boundary_ = kAtBoundary * diagonal;
     direction_ = options.backward ? -1 : 1;
     times_ = field.times();
@@ -103,17 +88,7 @@ class Stepper {
     h_.resize(active.size()), to_.resize(active.size());
     for (std::size_t a = 0; a < active.size(); ++a) prepare(p, active[a], limits, a);
     drop_ended(p, active);
-    switch (options_.integrator) {
-      case Integrator::euler:
-        explicit_stages(p, active, 1);
-        break;
-      case Integrator::rk4:
-        explicit_stages(p, active, 4);
-        break;
-      case Integrator::dopri5:
-        dormand_prince(p, active);
-        break;
-    }
+    if (!active.empty()) integrator_.step(step_);
     finish(p, active, limits, made);
   }
 
@@ -180,59 +155,10 @@ class Stepper {
       ++left;
     }
     active.resize(left);
-    ends_.assign(left, {});
-    out_.assign(left, 0);
-    for (auto& k : k_) k.resize(left);
-    places_.resize(left), moments_.resize(left), inside_.resize(left), error_.assign(left, 0);
-    for (std::size_t a = 0; a < left; ++a) k_[0][a] = p.velocities[active[a]];
-  }
-
-  /// The field at places_ and moments_. Those that have left it in this step go on nowhere: to find what is nearest to
-  /// them would cost more than all others.
-  void ask(std::vector<Vec3>& into) {
-    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-    for (std::size_t a = 0; a < places_.size(); ++a)
-      if (out_[a] != 0) places_[a] = {kNaN, kNaN, kNaN};
-    field_.evaluate(places_, moments_, into, inside_);
-    for (std::size_t a = 0; a < inside_.size(); ++a) out_[a] = out_[a] != 0 || inside_[a] == 0;
-  }
-
-  /// Euler, or the classical Runge-Kutta; the velocity at the end of the step is the last that is asked for.
-  void explicit_stages(Particles& p, const std::vector<std::uint32_t>& active, int stages) {
-    const auto place = [&](double share, const std::vector<Vec3>& along) {
-      for (std::size_t a = 0; a < active.size(); ++a) {
-        places_[a] = p.positions[active[a]] + along[a] * (share * h_[a]);
-        moments_[a] = p.times[active[a]] + share * h_[a];
-      }
-    };
-    if (stages == 4) {
-      place(0.5, k_[0]), ask(k_[1]);
-      place(0.5, k_[1]), ask(k_[2]);
-      place(1, k_[2]), ask(k_[3]);
-      for (std::size_t a = 0; a < active.size(); ++a) k_[5][a] = (k_[0][a] + (k_[1][a] + k_[2][a]) * 2 + k_[3][a]) / 6;
-    } else {
-      k_[5] = k_[0];
-    }
-    place(1, k_[5]);
-    ends_at_ = places_;
-    ask(k_[6]);
-  }
-
-  void dormand_prince(Particles& p, const std::vector<std::uint32_t>& active) {
-    for (std::size_t s = 1; s < kStages; ++s) {
-      for (std::size_t a = 0; a < active.size(); ++a) {
-        Vec3 d;
-        for (std::size_t k = 0; k < s; ++k) d += k_[k][a] * kStage[s][k];
-        places_[a] = p.positions[active[a]] + d * h_[a];
-        moments_[a] = p.times[active[a]] + kMoment[s] * h_[a];
-      }
-      if (s + 1 == kStages) ends_at_ = places_;
-      ask(k_[s]);
-    }
-    for (std::size_t a = 0; a < active.size(); ++a) {
-      Vec3 e;
-      for (std::size_t k = 0; k < kStages; ++k) e += k_[k][a] * kError[k];
-      error_[a] = norm(e) * std::abs(h_[a]);
+    step_.begin(left);
+    for (std::size_t a = 0; a < left; ++a) {
+      const std::uint32_t i = active[a];
+      step_.put(a, p.positions[i], p.times[i], h_[a], p.velocities[i]);
     }
   }
 
@@ -245,12 +171,12 @@ class Stepper {
 
   void finish(Particles& p, std::vector<std::uint32_t>& active, const Limits& limits,
               const std::function<void(const Step&)>& made) {
-    const bool adaptive = options_.integrator == Integrator::dopri5;
+    const double power = 1.0 / integrator_.order;
     std::size_t left = 0;
     for (std::size_t a = 0; a < active.size(); ++a) {
       const std::uint32_t i = active[a];
       const double h = std::abs(h_[a]);
-      if (out_[a] != 0) {
+      if (step_.has_left(a)) {
         // The next try goes half as far, until the boundary is as near as it can be told.
         if (h * norm(p.velocities[i]) < boundary_)
           p.ends[i] = TraceEnd::boundary;
@@ -258,22 +184,22 @@ class Stepper {
           p.steps[i] = 0.5 * h, limits.gone[i] = to_[a], active[left++] = i;
         continue;
       }
-      if (adaptive) {
-        const double ratio = error_[a] > 0 ? kCaution * std::pow(tolerance_ / error_[a], 0.2) : kMostGrowth;
+      if (integrator_.adaptive) {
+        const double error = step_.error(a);
+        const double ratio = error > 0 ? kCaution * std::pow(tolerance_ / error, power) : kMostGrowth;
         p.steps[i] = h * std::clamp(ratio, kMostShrink, kMostGrowth);
-        if (error_[a] > tolerance_) {
+        if (error > tolerance_) {
           active[left++] = i;
           continue;
         }
       }
-      Step step{i, p.times[i], to_[a], p.positions[i], ends_at_[a], p.velocities[i], k_[6][a], {}};
-      if (adaptive)
-        for (std::size_t k = 0; k < kStages; ++k) step.bulge += k_[k][a] * (kBetween[k] * h_[a]);
-      else if (p.steps[i] > 0)  // away from the boundary again
-        p.steps[i] = 2 * h;
+      const Step step{
+          i, p.times[i], to_[a], p.positions[i], step_.end(a), p.velocities[i], step_.last_velocity(a), step_.bulge(a)};
+      // Away from the boundary again.
+      if (!integrator_.adaptive && p.steps[i] > 0) p.steps[i] = 2 * h;
       p.positions[i] = step.end, p.times[i] = step.to, p.velocities[i] = step.last;
       made(step);
-      if (adaptive && !limits.anchors.empty() && circles(step.end, limits.anchors[i]))
+      if (integrator_.adaptive && !limits.anchors.empty() && circles(step.end, limits.anchors[i]))
         p.ends[i] = TraceEnd::critical_point;
       else
         active[left++] = i;
@@ -281,16 +207,14 @@ class Stepper {
     active.resize(left);
   }
 
-  const VectorField& field_;
   const TraceOptions& options_;
+  const FlowIntegrator& integrator_;
+  ParticleStep step_;
   TimeRange times_;
   Box3 box_;
   double tolerance_ = 0, reach_ = 0, boundary_ = 0, direction_ = 1;
   std::vector<std::optional<TraceEnd>> ends_;
-  std::vector<double> h_, to_, moments_, error_;
-  std::array<std::vector<Vec3>, kStages> k_;
-  std::vector<Vec3> places_, ends_at_;
-  std::vector<std::uint8_t> inside_, out_;
+  std::vector<double> h_, to_;
 };
 
 /// The first of the moments beyond `t`; infinitely far where there is none.
@@ -370,25 +294,41 @@ void follow(const VectorField& field, Particles& p, std::vector<std::uint32_t> a
   }
 }
 
+/// "euler, rk4": those whose steps follow the tolerance, or the others.
+std::string integrators_that(bool adaptive) {
+  std::string names;
+  for (const FlowIntegrator* const one : FlowIntegrator::registry().all())
+    if (one->adaptive == adaptive) names += (names.empty() ? "" : ", ") + std::string(one->name);
+  return names;
+}
+
+/// "of the diagonal: euler 0.001, dopri5 0.02"
+std::string reach_words() {
+  std::string words = "of the diagonal:";
+  for (const FlowIntegrator* const one : FlowIntegrator::registry().all())
+    words += fmt::format("{} {} {}", words.back() == ':' ? "" : ",", one->name, one->reach);
+  return words;
+}
+
 }  // namespace
 
 const OptionSchema& TraceOptions::schema() {
   using O = TraceOptions;
-  static constexpr std::string_view integrators[] = {"euler", "rk4", "dopri5"};
-  static constexpr OptionRow rows[] = {
-      option<&O::integrator>({.text = "euler, rk4, or dopri5 with steps by the tolerance", .choices = integrators}),
+  using Words = RegistryWords<FlowIntegrator>;
+  static const std::string integrators = "Steps of particles: " + registry_summaries<FlowIntegrator>(),
+                           reaches = reach_words(),
+                           steps = "Of " + integrators_that(false) + ", and at most of " + integrators_that(true);
+  static const OptionRow rows[] = {
+      option<&O::integrator, Words>({.text = integrators, .choices = Words::names()}),
       option<&O::tolerance>(
           {.text = "Error of a step", .unit = "length", .from_data = "1e-5 of the diagonal", .range = positive()}),
-      option<&O::step>({.text = "Of euler and rk4, and at most of dopri5",
-                        .unit = "length",
-                        .from_data = "a thousandth and a fiftieth of the diagonal",
-                        .range = positive(),
-                        .name = "step_length"}),
+      option<&O::step>(
+          {.text = steps, .unit = "length", .from_data = reaches, .range = positive(), .name = "step_length"}),
       option<&O::least_speed>({.text = "Slower ones have arrived; 0: of lines 1e-6 of the seeds' median",
                                .unit = "speed",
                                .range = at_least(0)}),
       option<&O::most_steps>({.text = "Of a particle", .range = at_least(1)})};
-  static constexpr OptionSchema schema{rows};
+  static const OptionSchema schema{rows};
   return schema;
 }
 

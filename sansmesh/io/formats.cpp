@@ -5,152 +5,10 @@
 #include <utility>
 
 #include "sansmesh/io/names.h"
-#include "sansmesh/io/output.h"
-#include "sansmesh/io/readers.h"
 #include "sansmesh/io/volume_readers.h"
 
 namespace sansmesh::inline v1 {
 namespace {
-
-constexpr unsigned kCloudOrMesh = kPoints | kMesh;
-/// Points with attributes are scattered samples of a volume as well.
-constexpr unsigned kSamples = kCloudOrMesh | kVolume;
-constexpr std::string_view kConvertMesh = "reading this format is not supported; convert it to PLY or OBJ first";
-constexpr std::string_view kUnpackOrConvert =
-    "this kind of file is not supported; convert or unpack it first (gzip is unpacked on the fly)";
-
-constexpr FormatInfo kFormats[] = {
-    {.id = FormatId::ply,
-     .name = "PLY",
-     .endings = "ply",
-     .reads = kSamples,
-     .written = {{{"ply", kCloudOrMesh | kLines}}},
-     .read_points = io::read_ply,
-     .write_mesh = io::mesh_to_ply,
-     .write_points = io::points_to_ply,
-     .write_lines = io::lines_to_ply},
-    {.id = FormatId::obj,
-     .name = "OBJ",
-     .endings = "obj",
-     .reads = kSamples,
-     .written = {{{"obj", kCloudOrMesh}}},
-     .read_points = io::read_obj,
-     .write_mesh = io::mesh_to_obj,
-     .write_points = io::points_to_obj,
-     .mesh_room = FormatRoom::colors,
-     .points_room = FormatRoom::colors},
-    {.id = FormatId::off,
-     .name = "OFF",
-     .endings = "off coff noff cnoff",
-     .reads = kSamples,
-     .written = {{{"off", kMesh}}},
-     .read_points = io::read_off,
-     .write_mesh = io::mesh_to_off,
-     .mesh_room = FormatRoom::colors},
-    {.id = FormatId::stl,
-     .name = "STL",
-     .endings = "stl",
-     .reads = kSamples,
-     .written = {{{"stl", kMesh}}},
-     .read_points = io::read_stl,
-     .write_mesh = io::mesh_to_stl,
-     .mesh_room = FormatRoom::positions},
-    {.id = FormatId::glb,
-     .name = "glTF",
-     .endings = "glb gltf",
-     .written = {{{"glb", kMesh}}},
-     .remedy = kConvertMesh,
-     .write_mesh = io::mesh_to_glb,
-     .mesh_room = FormatRoom::colors_and_few_floats},
-    {.id = FormatId::vtp,
-     .name = "VTK XML polydata",
-     .endings = "vtp",
-     .reads = kSamples | kLines,
-     .written = {{{"vtp", kCloudOrMesh | kLines}}},
-     .read_points = io::read_vtp,
-     .write_mesh = io::mesh_to_vtp,
-     .write_points = io::points_to_vtp,
-     .write_lines = io::lines_to_vtp},
-    {.id = FormatId::pcd,
-     .name = "PCD",
-     .endings = "pcd",
-     .reads = kSamples,
-     .written = {{{"pcd", kPoints}}},
-     .read_points = io::read_pcd,
-     .write_points = io::points_to_pcd},
-    {.id = FormatId::las,
-     .name = "LAS",
-     .endings = "las",
-     .reads = kSamples,
-     .written = {{{"las", kPoints}}},
-     .read_points = io::read_las,
-     .write_points = io::points_to_las,
-     .points_room = FormatRoom::all_but_normals},
-    {.id = FormatId::csv,
-     .name = "CSV",
-     .endings = "csv tsv",
-     .reads = kSamples,
-     .written = {{{"csv", kPoints | kLines}}},
-     .read_points = io::read_table,
-     .write_points = io::points_to_csv,
-     .write_lines = io::lines_to_csv},
-    {.id = FormatId::table,
-     .name = "XYZ",
-     .endings = "xyz txt asc pts pwn xyzn npts xyzrgb dat",
-     .reads = kSamples,
-     .written = {{{"xyz", kPoints}}},
-     .read_points = io::read_table,
-     .write_points = io::points_to_xyz,
-     .points_room = FormatRoom::colors},
-    {.id = FormatId::conf,
-     .name = "Stanford alignment",
-     .endings = "conf",
-     .reads = kSamples,
-     .read_points = io::read_conf},
-    {FormatId::metaimage, "MetaImage", "mhd mha", kVolume, {{{"mhd", kVolume}, {"mha", kVolume}}}},
-    {FormatId::nrrd, "NRRD", "nrrd nhdr", kVolume, {{{"nrrd", kVolume}}}},
-    {FormatId::raw, "raw numbers", "raw", kVolume},
-    {FormatId::plot3d, "PLOT3D", "bin x p3d grd fmt q", kVolume},
-    {FormatId::vtk_xml,
-     "VTK XML",
-     "vti vtr vts vtu vtm vtmb vthb vth pvti pvtr pvts pvtu vtpc vtpd",
-     kVolume,
-     {{{"vti", kVolume}, {"vtu", kTetrahedra}}},
-     "vtk"},
-    {FormatId::vtk_legacy,
-     "VTK legacy",
-     "vtk",
-     kVolume,
-     {},
-     "vtk",
-     "this kind of VTK file is read as a volume only; convert it to VTP or PLY for points or a mesh"},
-    {FormatId::exodus, "Exodus", "ex2 exo exii e g", kVolume, {}, "vtk"},
-    {FormatId::ensight, "EnSight", "case encas", kVolume, {}, "vtk"},
-    {FormatId::cgns, "CGNS", "cgns", kVolume, {}, "vtk"},
-    {FormatId::openfoam, "OpenFOAM", "foam", kVolume, {}, "vtk"},
-    {FormatId::pvd, "ParaView collection", "pvd", kVolume},
-    {FormatId::series, "series of files", "series", kVolume},
-    {FormatId::dicom, "DICOM", "dcm dicom", kVolume, {}, "vtk"},
-    {FormatId::nek_field, "Nek5000", "", kVolume},
-    {FormatId::nek_series, "Nek5000 series", "nek5000 nek3d nek2d", kVolume},
-    {FormatId::gmsh, "Gmsh", "msh", kVolume | kTetrahedra},
-    {FormatId::medit, "Medit", "mesh meshb", kVolume | kTetrahedra},
-    {FormatId::tetgen, "TetGen", "node ele", kVolume | kTetrahedra},
-    {FormatId::vega, "Vega", "veg", kVolume | kTetrahedra},
-    {FormatId::function,
-     "function",
-     "smf",
-     kFunction,
-     {{{"smf", kFunction}}},
-     {},
-     "is a function, not points or a mesh: a mesh can be made of it"},
-    {FormatId::fitted_volume, "fitted volume", "smv", kVolume, {{{"smv", kVolume}}}},
-    {FormatId::png, "PNG", "png", 0, {{{"png", kPicture}}}, {}, "is a picture"},
-    {FormatId::laz, "LAZ", "laz", 0, {}, {}, "LAZ (compressed LAS) is not supported; decompress it to LAS first"},
-    {FormatId::e57, "E57", "e57", 0, {}, {}, "E57 is not supported; convert it to PLY, LAS or XYZ first"},
-    {FormatId::scene, "scene", "fbx dae 3ds 3mf usd usdz", 0, {}, {}, kConvertMesh},
-    {FormatId::archive, "archive", "pcap rcp rcs ptx zip 7z xz bz2 zst rar", 0, {}, {}, kUnpackOrConvert},
-};
 
 std::vector<std::string_view> words_of(std::string_view text) {
   std::vector<std::string_view> words;
@@ -197,7 +55,7 @@ std::optional<FormatId> own_format_of_content(std::string_view bytes) {
 }  // namespace
 
 Registry<FormatInfo>& FormatInfo::registry() {
-  static Registry<FormatInfo> all("format", {kFormats});
+  static Registry<FormatInfo> all("format", own_formats());
   return all;
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -60,7 +61,7 @@ enum class FormatId : std::uint8_t {
   e57,
   scene,
   archive,
-  added  ///< by a program: known by its name
+  added  ///< of a source of its own, here or in a program: known by its name
 };
 
 /// What a file may hold; several of them as a sum.
@@ -86,7 +87,8 @@ enum class FormatRoom : std::uint8_t { positions, colors, colors_and_few_floats,
 /// The bytes of a file, in parts.
 using FileParts = std::vector<std::string>;
 
-/// One format. Those that a program adds (`Registered<FormatInfo>`) are read and written by every function and command.
+/// One format. Each is read and written by every function and command, those that a program adds
+/// (`Registered<FormatInfo>`) as well.
 struct FormatInfo {
   FormatId id = FormatId::added;
   std::string_view name;     ///< "PLY"
@@ -102,12 +104,16 @@ struct FormatInfo {
   FileParts (*write_points)(const PointSet& points, const WriteOptions& options) = nullptr;
   FileParts (*write_lines)(const PolylineSet& lines, const WriteOptions& options) = nullptr;
   FormatRoom mesh_room = FormatRoom::all, points_room = FormatRoom::all;
-  /// For added formats: tells whether the first bytes of a file show the format beyond doubt. May be null.
+  /// For formats without a FormatId: tells whether the first bytes of a file show the format beyond doubt. May be null.
   bool (*recognizes)(std::string_view bytes) = nullptr;
 
-  /// Those of the library in the order of FormatId, then those that programs add.
+  /// Those of the library in the order of sansmesh/io/CMakeLists.txt, first those of FormatId in its order, then those
+  /// that programs add.
   static Registry<FormatInfo>& registry();
 };
+
+/// Those of each source that has some, in the order of CMakeLists.txt, from which the definition is made.
+std::vector<std::span<const FormatInfo>> own_formats();
 
 /// All of them.
 std::vector<const FormatInfo*> formats();

@@ -4,16 +4,21 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/dynamics/scene_script.h"
 #include "sansmesh/dynamics/suited_options.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/scene_errors.h"
+#include "sansmesh/schema/registry_words.h"
 #include "sansmesh/simulate.h"
 
 namespace sansmesh::inline v1 {
@@ -160,7 +165,9 @@ void of_scene(bool by_options, const Work& work) {
 
 const OptionSchema& SimulateOptions::schema() {
   using O = SimulateOptions;
-  static constexpr OptionRow rows[] = {
+  using Integrators = RegistryWords<BodyIntegrator>;
+  static const std::string integrators = "How it goes from step to step: " + registry_summaries<BodyIntegrator>();
+  static const OptionRow rows[] = {
       option<&O::model>({.text = "Every edge a spring, or elasticity in pascals (corotational)",
                          .from_data = "springs, but with `young`",
                          .choices = kModelWords}),
@@ -181,15 +188,15 @@ const OptionSchema& SimulateOptions::schema() {
           {.text = "How long it moves", .unit = "seconds", .from_data = "2", .range = positive(), .old_name = "time"}),
       option<&O::fps>({.text = "Frames a second", .unit = "1/s", .from_data = "25", .range = positive()}),
       option<&O::frames>({.text = "So many frames, the body at rest among them", .range = at_least(2)}),
-      option<&O::integrator>(
-          {.text = "How it goes from step to step", .from_data = "implicit-euler", .choices = kIntegratorWords}),
+      option<&O::integrator, Integrators>(
+          {.text = integrators, .from_data = "implicit-euler", .choices = Integrators::names()}),
       option<&O::longest_step>({.text = "Longest step",
                                 .unit = "seconds",
                                 .from_data = "0.01; of explicit ones half of what is stable",
                                 .range = positive(),
                                 .old_name = "step"}),
       option<&O::z_up>({.text = "Down is where z is small, whatever the scene says"})};
-  static constexpr OptionSchema schema{rows};
+  static const OptionSchema schema{rows};
   return schema;
 }
 
@@ -256,7 +263,7 @@ constexpr ReportRow kSimulationPlanRows[] = {
     reported<[](const SimulationPlan& r) { return r.options.model; }>(
         {.name = "model", .text = "Model of the material", .choices = kModelWords}),
     reported<[](const SimulationPlan& r) { return r.options.integrator; }>(
-        {.name = "integrator", .text = "Integrator", .choices = kIntegratorWords}),
+        {.name = "integrator", .text = "Integrator"}),
     reported<[](const SimulationPlan& r) { return r.options.stiffness; }>(
         {.name = "stiffness", .text = "Stiffness of springs", .unit = "N/m"}),
     reported<[](const SimulationPlan& r) { return r.options.damping; }>(
@@ -277,7 +284,14 @@ constexpr ReportRow kSimulationPlanRows[] = {
 }  // namespace
 
 const ReportSchema& SimulationPlan::schema() {
-  static constexpr ReportSchema schema{kSimulationPlanRows};
+  // Which integrators there are is known when the program runs.
+  static const std::vector<ReportRow> rows = [] {
+    std::vector<ReportRow> all(std::begin(kSimulationPlanRows), std::end(kSimulationPlanRows));
+    for (ReportRow& row : all)
+      if (row.name == "integrator") row.choices = registry_names<BodyIntegrator>();
+    return all;
+  }();
+  static const ReportSchema schema{rows};
   return schema;
 }
 

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/dynamics/scene_script.h"
 #include "sansmesh/dynamics/soft_body.h"
 #include "sansmesh/jobs/scene_errors.h"
@@ -43,7 +44,7 @@ void note_steps(const SimulationPlan& plan, double stable, const SimulateReport&
   if (plan.options.step > stable)
     notes.push_back({.code = "unstable_step",
                      .text = fmt::format("steps of {:.3g} s are longer than is stable for {} ({:.2g} s)",
-                                         plan.options.step, word_of(plan.options.integrator), stable),
+                                         plan.options.step, plan.options.integrator, stable),
                      .remedy = {}});
   if (r.halvings > 0)
     notes.push_back(
@@ -154,10 +155,10 @@ std::vector<std::string> summary_of(const SimulationPlan& plan, const SimulateRe
   return {fmt::format("{}: {} vertices, {} tetrahedra, {} fixed", plan.body_file.empty() ? "the body" : plan.body_file,
                       grouped(plan.rest->vertices.size()), grouped(plan.rest->tets.size()),
                       grouped(plan.scene.fixed.size())),
-          fmt::format("{} ({}), {}", word_of(options.model), material_words(options), word_of(options.integrator)),
+          fmt::format("{} ({}), {}", word_of(options.model), material_words(options), options.integrator),
           fmt::format("{} of at most {:.4g} s in {:.3g} s ({:.1f} a second){}", counted(r.steps, "step"), options.step,
                       r.seconds, steps / std::max(r.seconds, 1e-9),
-                      options.integrator == DynamicsIntegrator::implicit_euler
+                      body_integrator(options.integrator).is_implicit
                           ? fmt::format(", {:.1f} iterations a step", static_cast<double>(r.iterations) / steps)
                           : ""),
           fmt::format("energy {:.6g} J at first, {:.6g} J in the end (kinetic {:.4g}, elastic {:.4g}, gravity {:.4g})",

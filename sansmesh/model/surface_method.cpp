@@ -5,7 +5,8 @@
 namespace sansmesh::inline v1 {
 
 bool SurfaceMethod::uses_option(std::string_view option) const {
-  return std::find(uses.begin(), uses.end(), option) != uses.end();
+  return std::find(uses.begin(), uses.end(), option) != uses.end() ||
+         std::any_of(own.begin(), own.end(), [&](const OptionRow& row) { return row.name == option; });
 }
 
 Registry<SurfaceMethod>& SurfaceMethod::registry() {

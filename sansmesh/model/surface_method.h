@@ -67,7 +67,11 @@ struct SurfaceMethod {
   bool projects = false;                        ///< it is defined by a projection
   /// Throws ArgumentError for values of options that it does not take, though it uses the options; may be null.
   void (*check)(const SurfaceOptions& options) = nullptr;
+  /// Options that no other surface has, kept in SurfaceOptions::own (own_option.h). Their names begin with the
+  /// surface's: "shepard_neighbours".
+  std::span<const OptionRow> own = {};
 
+  /// Whether an option means something to it.
   bool uses_option(std::string_view option) const;
 
   /// Those of the library in the order of sansmesh/model/methods/CMakeLists.txt, then those that programs add.

@@ -37,8 +37,11 @@ class SharpenedNormals : public NormalField {
 
 /// With lengths in the coordinates of a prepared cloud.
 SurfaceOptions placed(SurfaceOptions options, const Placement& place) {
-  if (options.bandwidth) options.bandwidth = place.from_input(*options.bandwidth);
-  if (options.error) options.error = place.from_input(*options.error);
+  for_each_option(SurfaceOptions::schema(), &options, [&](const OptionRow& row, void* owner) {
+    const OptionValue value = row.get(owner);
+    const auto* const length = row.unit == "length" ? std::get_if<double>(&value) : nullptr;
+    if (length) row.set(owner, place.from_input(*length));
+  });
   return options;
 }
 

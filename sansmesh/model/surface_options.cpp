@@ -2,7 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <iterator>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "sansmesh/error.h"
 #include "sansmesh/model/surface_method.h"
@@ -92,14 +96,44 @@ constexpr OptionRow kRows[] = {
                                     .from_data = "14",
                                     .range = {kLeastDepth, kMostDepth}}),
     option<&SurfaceOptions::smooth>({.text = "Do not look for edges and corners"})};
-constexpr OptionSchema kSchema{kRows};
+
+/// Those of all surfaces, then those that one has for itself.
+std::vector<OptionRow> all_rows() {
+  std::vector<OptionRow> rows(std::begin(kRows), std::end(kRows));
+  for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) {
+    std::string beginning = std::string(method->name) + "_";
+    std::replace(beginning.begin(), beginning.end(), '-', '_');
+    for (const OptionRow& own : method->own) {
+      if (!own.name.starts_with(beginning))
+        throw ArgumentError(
+            fmt::format("`{}` of the surface {} must be called `{}…`", own.name, method->name, beginning));
+      if (std::any_of(rows.begin(), rows.end(), [&](const OptionRow& row) { return row.name == own.name; }))
+        throw ArgumentError(fmt::format("there is an option `{}` already", own.name));
+      rows.push_back(own);
+    }
+  }
+  return rows;
+}
+
+/// Throws ArgumentError for names in `own` that are not those of rows beyond the fields.
+void check_names(const SurfaceOptions& options) {
+  const auto rows = SurfaceOptions::schema().rows.subspan(std::size(kRows));
+  for (const auto& [name, value] : options.own)
+    if (std::none_of(rows.begin(), rows.end(), [&](const OptionRow& row) { return row.name == name; }))
+      throw ArgumentError(fmt::format("no surface has an option `{}` for itself", name));
+}
 
 }  // namespace
 
-const OptionSchema& SurfaceOptions::schema() { return kSchema; }
+const OptionSchema& SurfaceOptions::schema() {
+  static const std::vector<OptionRow> rows = all_rows();
+  static const OptionSchema schema{rows};
+  return schema;
+}
 
 void SurfaceOptions::validate() const {
   const SurfaceMethod& used = surface_method(method);
+  check_names(*this);
   for (const std::string_view option : options_set(*this)) {
     if (option == "method" || used.uses_option(option)) continue;
     throw ArgumentError(

@@ -48,26 +48,6 @@ std::string hex_of_color(const Vec3f& color) {
   return fmt::format("#{:02x}{:02x}{:02x}", to_byte(color.x), to_byte(color.y), to_byte(color.z));
 }
 
-OptionValue BackgroundOption::get(const Background& background) {
-  if (background.kind == Background::Kind::solid) return hex_of_color(background.color);
-  return background.kind == Background::Kind::gradient ? "gradient" : "transparent";
-}
-
-Background BackgroundOption::from(const OptionValue& value) {
-  const std::string& word = std::get<std::string>(value);
-  if (word == "gradient") return {};
-  if (word == "transparent") return Background::transparent();
-  // As paper and ink; those of things that are seen in light are not so strong.
-  if (word == "white" || word == "black") return Background::solid(word == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0});
-  const auto color = color_of_word(word);
-  if (!color)
-    throw ArgumentError(ArgumentFault{.field = {},
-                                      .value = "'" + printable(word, 60) + "'",
-                                      .allowed = "gradient, transparent, '#rrggbb' or a name such as white",
-                                      .remedy = {}});
-  return Background::solid(*color);
-}
-
 Vec3f ColorOption::from(const OptionValue& value) {
   const std::string& word = std::get<std::string>(value);
   const auto color = color_of_word(word);

@@ -6,7 +6,6 @@
 #include <string_view>
 
 #include "sansmesh/option.h"
-#include "sansmesh/render_options.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -27,14 +26,6 @@ struct ColorOption {
   static OptionValue get(const Vec3f& color) { return hex_of_color(color); }
   /// Throws ArgumentError.
   static Vec3f from(const OptionValue& value);
-};
-
-/// A background: gradient, transparent, or a colour.
-struct BackgroundOption {
-  static constexpr auto kind = OptionKind::text;
-  static OptionValue get(const Background& background);
-  /// Throws ArgumentError.
-  static Background from(const OptionValue& value);
 };
 
 }  // namespace sansmesh::inline v1

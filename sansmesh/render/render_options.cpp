@@ -21,6 +21,29 @@ void check_color(const char* name, const Vec3f& color) {
   for (std::size_t k = 0; k < 3; ++k) check_range(name, static_cast<double>(color[k]), 0, 1);
 }
 
+/// A background as an option: gradient, transparent, or a colour.
+struct BackgroundOption {
+  static constexpr auto kind = OptionKind::text;
+  static OptionValue get(const Background& background) {
+    if (background.kind == Background::Kind::solid) return hex_of_color(background.color);
+    return background.kind == Background::Kind::gradient ? "gradient" : "transparent";
+  }
+  static Background from(const OptionValue& value) {
+    const std::string& word = std::get<std::string>(value);
+    if (word == "gradient") return {};
+    if (word == "transparent") return Background::transparent();
+    // As paper and ink; those of things that are seen in light are not so strong.
+    if (word == "white" || word == "black") return Background::solid(word == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0});
+    const auto color = color_of_word(word);
+    if (!color)
+      throw ArgumentError(ArgumentFault{.field = {},
+                                        .value = "'" + printable(word, 60) + "'",
+                                        .allowed = "gradient, transparent, '#rrggbb' or a name such as white",
+                                        .remedy = {}});
+    return Background::solid(*color);
+  }
+};
+
 }  // namespace
 
 const OptionSchema& PictureView::schema() {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "sansmesh/error.h"
 
@@ -63,6 +64,13 @@ ArgumentError wrong_kind(const OptionRow& row, const OptionValue& value) {
       ArgumentFault{.field = std::string(row.name), .value = option_words(value), .allowed = wanted, .remedy = {}});
 }
 
+ArgumentError no_choice(const OptionRow& row, std::string value) {
+  return ArgumentError(ArgumentFault{.field = std::string(row.name),
+                                     .value = std::move(value),
+                                     .allowed = "one of " + joined(row.choices),
+                                     .remedy = {}});
+}
+
 /// As the field is set: words of a choice become its enumerator.
 OptionValue checked(const OptionRow& row, const OptionValue& value) {
   switch (row.kind) {
@@ -95,11 +103,7 @@ OptionValue checked(const OptionRow& row, const OptionValue& value) {
       const auto* const word = std::get_if<std::string>(&value);
       if (!word) throw wrong_kind(row, value);
       const auto known = std::find(row.choices.begin(), row.choices.end(), *word);
-      if (known == row.choices.end())
-        throw ArgumentError(ArgumentFault{.field = std::string(row.name),
-                                          .value = "'" + printable(*word, 60) + "'",
-                                          .allowed = "one of " + joined(row.choices),
-                                          .remedy = {}});
+      if (known == row.choices.end()) throw no_choice(row, "'" + printable(*word, 60) + "'");
       return static_cast<std::int64_t>(known - row.choices.begin());
     }
     case OptionKind::text:
@@ -154,12 +158,10 @@ void for_each_option(const OptionSchema& schema, const void* options,
 OptionValue option_value(const OptionRow& row, const void* owner) {
   OptionValue value = row.get(owner);
   if (row.kind != OptionKind::choice || std::holds_alternative<std::monostate>(value)) return value;
+  if (std::holds_alternative<std::string>(value)) return checked(row, value), value;
+  if (!std::holds_alternative<std::int64_t>(value)) throw wrong_kind(row, value);
   const std::int64_t index = std::get<std::int64_t>(value);
-  if (index < 0 || index >= static_cast<std::int64_t>(row.choices.size()))
-    throw ArgumentError(ArgumentFault{.field = std::string(row.name),
-                                      .value = std::to_string(index),
-                                      .allowed = "one of " + joined(row.choices),
-                                      .remedy = {}});
+  if (index < 0 || index >= static_cast<std::int64_t>(row.choices.size())) throw no_choice(row, std::to_string(index));
   return std::string(row.choices[static_cast<std::size_t>(index)]);
 }
 

@@ -21,7 +21,7 @@ struct ListedWords {
   static OptionValue get(const std::string& name) {
     for (std::size_t i = 0; i < names().size(); ++i)
       if (names()[i] == name) return static_cast<std::int64_t>(i);
-    return std::int64_t{-1};
+    return name;  // none of them: see option_value
   }
   static std::string from(const OptionValue& value) {
     return std::string(names().at(static_cast<std::size_t>(std::get<std::int64_t>(value))));
@@ -37,6 +37,14 @@ const std::vector<std::string_view>& registry_names() {
     return all;
   }();
   return list;
+}
+/// Each name with what it is, of entries that have a `summary`: "euler (first order), rk4 (fourth order)".
+template <class Entry>
+std::string registry_summaries() {
+  std::string text;
+  for (const Entry* const entry : Entry::registry().all())
+    text += (text.empty() ? "" : ", ") + std::string(entry->name) + " (" + std::string(entry->summary) + ")";
+  return text;
 }
 template <class Entry>
 using RegistryWords = ListedWords<registry_names<Entry>>;

@@ -12,6 +12,7 @@ const OptionSchema& ReconstructionOptions::schema() {
   using O = ReconstructionOptions;
   using Words = RegistryWords<VolumeMethod>;
   static const std::string method = "Reconstruction between samples: " + VolumeMethod::registry().names();
+  static const std::string radius = "Of supports in spacings (" + methods_that_use("radius") + ")";
   static const OptionRow rows[] = {
       option<&O::method, Words>(
           {.text = method, .from_data = "from grid, resolution and noise", .choices = Words::names()}),
@@ -29,9 +30,7 @@ const OptionSchema& ReconstructionOptions::schema() {
       option<&O::spherical>({.text = "Of amls: whether supports are balls, not ellipsoids; for comparison, not for "
                                      "uniform and rectilinear grids",
                              .needs = "method"}),
-      option<&O::radius>({.text = "Of supports in spacings (mls, rbf, shepard)",
-                          .range = {.least = 1, .most = 10},
-                          .needs = "method"}),
+      option<&O::radius>({.text = radius, .range = {.least = 1, .most = 10}, .needs = "method"}),
       option<&O::robust>(
           {.text = "Of mls-detail: whether weights leave steps between materials sharp, as they do by themselves",
            .needs = "method"}),

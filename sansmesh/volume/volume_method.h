@@ -32,6 +32,9 @@ struct VolumeMethod {
 /// By name. Throws ArgumentError naming all methods.
 inline const VolumeMethod& volume_method(std::string_view name) { return VolumeMethod::registry().at(name); }
 
+/// Names of those that use an option: "shepard, rbf, mls".
+std::string methods_that_use(std::string_view option);
+
 /// Those of each source that has some, in the order of CMakeLists.txt, from which the definition is made.
 std::vector<std::span<const VolumeMethod>> own_volume_methods();
 

@@ -34,7 +34,7 @@ TEST_F(DiagnoseCommand, FindsStraysAndItsScriptMendsThem) {
     if (place["kind"] == "extra sheet") extra.push_back(place);
   ASSERT_EQ(extra.size(), 1u) << found.out;
   EXPECT_NEAR(extra[0]["at"][0].get<double>(), 1.5, 0.05);
-  EXPECT_EQ(json["script"]["edits"], json["places"].size());
+  EXPECT_EQ(json["edits"], json["places"].size());
   EXPECT_EQ(slurp(path("places.png")).substr(1, 3), "PNG");
 
   const Outcome edited = run({"edit", "scan.smf", "--script", "edits.json", "-o", "mended.smf"});

@@ -63,9 +63,9 @@ TEST_F(EditCommands, TheBundledScanAndItsMesh) {
   EXPECT_EQ(json["steps"][3]["selected"], 0);
   EXPECT_TRUE(json["steps"][3]["changed"].is_null());
   EXPECT_EQ(json["output"]["file"], "new.smf");
-  EXPECT_TRUE(json["mesh"]["local"]);
-  EXPECT_TRUE(json["mesh"]["why"].is_null());
-  EXPECT_GT(json["mesh"]["added"].get<int>(), 0);
+  EXPECT_TRUE(json["update"]["local"]);
+  EXPECT_TRUE(json["update"]["why"].is_null());
+  EXPECT_GT(json["update"]["added"].get<int>(), 0);
   const TriangleMesh after = read_mesh(path("new.ply"));
   EXPECT_TRUE(measure_topology(after).closed());
   EXPECT_EQ(after.triangles.size(), json["mesh"]["triangles"].get<std::size_t>());
@@ -83,8 +83,9 @@ TEST_F(EditCommands, TheBundledScanAndItsMesh) {
   ASSERT_EQ(run({"mesh", "owl.smf", "-o", "other.ply", "--block-depth", "4"}).code, 0);
   const Json anew =
       json_of({"edit", "owl.smf", "--script", "edits.json", "--mesh", "other.ply", "--mesh-output", "x.ply"});
-  EXPECT_FALSE(anew["mesh"]["local"]);
-  EXPECT_NE(anew["mesh"]["why"].get<std::string>().find("without options"), std::string::npos) << anew["mesh"]["why"];
+  EXPECT_FALSE(anew["update"]["local"]);
+  EXPECT_NE(anew["update"]["why"].get<std::string>().find("without options"), std::string::npos)
+      << anew["update"]["why"];
   const Outcome said =
       run({"edit", "owl.smf", "--script", "edits.json", "--mesh", "other.ply", "--mesh-output", "x.ply"});
   EXPECT_NE(said.out.find("all made anew: of the triangles"), std::string::npos) << said.out;

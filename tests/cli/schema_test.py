@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Holds what `sansmesh schema` tells to tests/cli/schema.txt: a line for each option and each key of --json with its kind, unit, range and words, for
-each surface, reconstruction of volumes and format. Programs, bindings and pages are made from it, so that a name which goes,
+each surface, reconstruction of volumes, integrator and format. Programs, bindings and pages are made from it, so that a name which goes,
 or changes its meaning, is seen here first.
 
   tests/cli/schema_test.py TOOL [--write]
@@ -37,6 +37,10 @@ def lines_of(schema):
     for kind in ("surfaces", "volume_methods"):
         for method in schema[kind]:
             yield f"{kind} {method['name']}: {' '.join(method['uses'])}".rstrip()
+    for one in schema["flow_integrators"]:
+        yield f"flow_integrators {one['name']}: order {one['order']}{' adaptive' if one['adaptive'] else ''} reach {one['reach']:g}"
+    for one in schema["body_integrators"]:
+        yield f"body_integrators {one['name']}{': implicit' if one['implicit'] else ''}"
     for found in schema["formats"]:
         writes = " ".join(f"{written['ending']}({','.join(written['holds'])})" for written in found["writes"])
         yield f"format {found['name']}: {','.join(found['endings'])} reads {','.join(found['reads']) or '-'} writes {writes or '-'}"

@@ -75,7 +75,7 @@ TEST(SceneScript, ForcesHandlesAndObstacles) {
                 {"on": [21], "keys": [{"time": 1, "move": [1, 0, 0]}, {"time": 2}], "stiffness": 50}],
     "floor": {"height": -2}, "spheres": {"center": [1, 1, 1], "radius": 3, "friction": 0}})");
   EXPECT_EQ(script.model, SoftBodyModel::corotational);
-  EXPECT_EQ(script.integrator, DynamicsIntegrator::verlet);
+  EXPECT_EQ(script.integrator, "verlet");
   EXPECT_EQ(script.unit, 0.01);
   ASSERT_EQ(script.scene.forces.size(), 2u);
   EXPECT_EQ(script.scene.forces[0].force, (Vec3{0, 2, 0}));
@@ -119,6 +119,8 @@ TEST(SceneScript, WrongOnesAreToldByTheirPlace) {
       {"{\"step\": 0}", "'step' must be above 0"},
       {"{\"young\": \"soft\"}", "'young' must be a number"},
       {"{\"model\": \"jelly\"}", "'model' must be springs or corotational"},
+      {"{\"integrator\": \"leapfrog\"}",
+       "'integrator' must be one of implicit-euler, explicit-euler, verlet, velocity-verlet"},
       {"{\"unit\": \"parsec\"}", "'unit' must be mm"},
       {"{\"fixed\": [3]}", "fixed: there is no vertex 3"},
       {"{\"fixed\": [-3]}", "fixed: numbers of vertices must be whole and not negative"},

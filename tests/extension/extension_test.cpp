@@ -1,5 +1,5 @@
-// What a program adds to the library (a surface, a reconstruction of volumes, a format, a job with its command) is in
-// help, schema, reports and results as what the library has itself.
+// What a program adds to the library (a surface, a reconstruction of volumes, an integrator, a format, a job with its
+// command) is in help, schema, reports and results as what the library has itself.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
@@ -29,6 +29,17 @@ const nlohmann::json* option_of(const nlohmann::json& command, const std::string
   return nullptr;
 }
 
+/// Help without the breaks of its lines.
+std::string unwrapped(const std::string& help) {
+  std::string text;
+  for (const char c : help)
+    if (c != ' ' && c != '\n')
+      text += c;
+    else if (!text.ends_with(' '))
+      text += ' ';
+  return text;
+}
+
 TEST_F(Extension, SurfaceIsKnownEverywhere) {
   write_points(path("ball.ply"), sphere(3000));
   for (const char* command : {"reconstruct", "render", "project"}) {
@@ -38,7 +49,7 @@ TEST_F(Extension, SurfaceIsKnownEverywhere) {
   const nlohmann::json all = schema();
   const nlohmann::json* const surface = named(all["surfaces"], "shepard");
   ASSERT_NE(surface, nullptr);
-  EXPECT_EQ((*surface)["uses"], nlohmann::json::array({"sharp"}));
+  EXPECT_EQ((*surface)["uses"], nlohmann::json::array({"sharp", "shepard_neighbours"}));
   const nlohmann::json* const choice = option_of(*named(all["commands"], "reconstruct"), "--surface");
   ASSERT_NE(choice, nullptr);
   EXPECT_EQ((*choice)["choices"].back(), "shepard");
@@ -54,6 +65,52 @@ TEST_F(Extension, SurfaceIsKnownEverywhere) {
   const Outcome refused = run({"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "shepard", "--order", "2"});
   EXPECT_EQ(refused.code, 2);
   EXPECT_NE(refused.err.find("--order belongs to amls, not to the surface shepard"), std::string::npos) << refused.err;
+}
+
+TEST_F(Extension, OptionThatASurfaceHasForItselfIsOneOfAllCommandsWithSurfaces) {
+  write_points(path("ball.ply"), sphere(2000));
+  const nlohmann::json all = schema();
+  for (const char* const command : {"reconstruct", "render", "project"}) {
+    const nlohmann::json* const option = option_of(*named(all["commands"], command), "--shepard-neighbours");
+    ASSERT_NE(option, nullptr) << command;
+    EXPECT_EQ((*option)["kind"], "whole");
+    EXPECT_EQ((*option)["field"], "shepard_neighbours");
+    EXPECT_EQ((*option)["usual"], "10");
+    EXPECT_EQ((*option)["range"]["least"], 3);
+    EXPECT_EQ((*option)["range"]["most"], 50);
+    const std::string help = unwrapped(run({command, "--help-all"}).out);
+    EXPECT_NE(help.find("shepard: nearest samples whose planes count, 3..50 [10]"), std::string::npos) << help;
+  }
+  EXPECT_NE(run({"completion", "bash"}).out.find("--shepard-neighbours"), std::string::npos);
+
+  const std::vector<std::string> command{"reconstruct", "ball.ply", "--surface", "shepard", "-o"};
+  const auto mesh_with = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words = command;
+    words.emplace_back("mesh.ply"), words.insert(words.end(), more.begin(), more.end());
+    const Outcome made = run(words);
+    EXPECT_EQ(made.code, 0) << made.err;
+    return read_mesh(path("mesh.ply"));
+  };
+  const TriangleMesh usual = mesh_with({});
+  EXPECT_EQ(mesh_with({"--shepard-neighbours", "10"}).vertices, usual.vertices);
+  const TriangleMesh smooth = mesh_with({"--shepard-neighbours", "40"});
+  EXPECT_NE(smooth.vertices, usual.vertices);
+  for (const Vec3f& v : smooth.vertices) EXPECT_NEAR(norm(v), 1, 0.05);
+
+  const auto refused = [&](const std::vector<std::string>& words) {
+    std::vector<std::string> line{"reconstruct", "ball.ply", "-o", "x.ply"};
+    line.insert(line.end(), words.begin(), words.end());
+    const Outcome outcome = run(line);
+    EXPECT_EQ(outcome.code, 2);
+    return outcome.err;
+  };
+  EXPECT_NE(refused({"--surface", "shepard", "--shepard-neighbours", "2"})
+                .find("--shepard-neighbours must lie in 3..50, not 2"),
+            std::string::npos);
+  EXPECT_NE(refused({"--surface", "apss", "--shepard-neighbours", "20"})
+                .find("--shepard-neighbours belongs to shepard, not to the surface apss"),
+            std::string::npos);
+  EXPECT_NE(refused({"--shepard-neighbours", "20"}).find("--shepard-neighbours"), std::string::npos);
 }
 
 TEST_F(Extension, ReconstructionOfVolumesIsKnownEverywhere) {
@@ -77,6 +134,45 @@ TEST_F(Extension, ReconstructionOfVolumesIsKnownEverywhere) {
   ASSERT_NE(choice, nullptr);
   EXPECT_EQ((*choice)["choices"].back(), "mean");
   EXPECT_NE(run({"volume", "probe", "--help-all"}).out.find("mls-detail, amls, mean"), std::string::npos);
+}
+
+TEST_F(Extension, IntegratorIsKnownEverywhere) {
+  const nlohmann::json all = schema();
+  const nlohmann::json* const integrator = named(all["flow_integrators"], "heun");
+  ASSERT_NE(integrator, nullptr);
+  EXPECT_EQ((*integrator)["order"], 2);
+  EXPECT_EQ((*integrator)["adaptive"], false);
+  for (const char* const command : {"flow lines", "flow surface", "flow render"}) {
+    const nlohmann::json* const choice = option_of(*named(all["commands"], command), "--integrator");
+    ASSERT_NE(choice, nullptr) << command;
+    EXPECT_EQ((*choice)["choices"], nlohmann::json::array({"euler", "rk4", "dopri5", "heun"}));
+  }
+  const std::string help = unwrapped(run({"flow", "lines", "--help-all"}).out);
+  EXPECT_NE(help.find("heun (Heun's, second order)"), std::string::npos) << help;
+  EXPECT_NE(help.find("Of euler, rk4, heun, and at most of dopri5"), std::string::npos) << help;
+
+  // Turns of the rotation are circles: Heun's are nearly so, and nearer with shorter steps.
+  const auto farthest = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command{"flow",       "lines", "rotation", "--seeds", "point(1,0,0)",
+                                     "--duration", "6",     "-o",       "turn.csv"};
+    command.insert(command.end(), more.begin(), more.end());
+    EXPECT_EQ(run(command).code, 0);
+    const PointSet line = read_points(path("turn.csv"));
+    EXPECT_GT(line.size(), 20u);
+    double most = 0;
+    for (const Vec3f& p : line.positions) most = std::max(most, std::abs(norm(line.origin + Vec3(p)) - 1));
+    return most;
+  };
+  const double coarse = farthest({"--integrator", "heun", "--step-length", "0.2"}),
+               fine = farthest({"--integrator", "heun", "--step-length", "0.1"});
+  EXPECT_LT(coarse, 0.01);
+  EXPECT_NEAR(coarse / fine, 8, 1);  // of radii one order more than of places
+  EXPECT_LT(farthest({"--integrator", "heun"}), 1e-4);
+  EXPECT_GT(farthest({"--integrator", "euler", "--step-length", "0.1"}), 0.1);
+
+  const Outcome refused = run({"flow", "lines", "rotation", "-o", "x.csv", "--integrator", "heum"});
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_NE(refused.err.find("euler, rk4, dopri5, heun"), std::string::npos) << refused.err;
 }
 
 TEST_F(Extension, FormatIsReadAndWritten) {

@@ -3,23 +3,28 @@
 #include <array>
 #include <cmath>
 #include <memory>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/model/own_option.h"
 #include "sansmesh/model/surface_method.h"
 #include "sansmesh/surface_options.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kNeighbours = 10;
+constexpr int kMostNeighbours = 50;
+constexpr OwnOption<"shepard_neighbours", 10> kNeighbours({.text = "Nearest samples whose planes count",
+                                                           .range = {3, kMostNeighbours}});
 /// Least squared distance: a sample may coincide with the place.
 constexpr double kLeastSquare = 1e-12;
 
 class ShepardPlanes : public ScalarField {
  public:
-  explicit ShepardPlanes(std::shared_ptr<const SurfaceSamples> samples) : samples_(std::move(samples)) {}
+  ShepardPlanes(std::shared_ptr<const SurfaceSamples> samples, int neighbours)
+      : samples_(std::move(samples)), neighbours_(static_cast<std::size_t>(neighbours)) {}
 
   Box3 bounds() const override {
     Box3 box;
@@ -30,8 +35,8 @@ class ShepardPlanes : public ScalarField {
 
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const override {
     parallel_for(0, x.size(), 256, [&](std::size_t i) {
-      std::array<Neighbour, kNeighbours> near;
-      const std::size_t n = samples_->tree.nearest(Vec3f(x[i]), near);
+      std::array<Neighbour, kMostNeighbours> near;
+      const std::size_t n = samples_->tree.nearest(Vec3f(x[i]), std::span(near).first(neighbours_));
       double weights = 0, value = 0;
       Vec3 normal;
       for (std::size_t k = 0; k < n; ++k) {
@@ -46,12 +51,13 @@ class ShepardPlanes : public ScalarField {
 
  private:
   std::shared_ptr<const SurfaceSamples> samples_;
+  std::size_t neighbours_;
 };
 
-SurfaceParts make_shepard(PreparedCloud& cloud, const SurfaceOptions&, Progress& progress) {
+SurfaceParts make_shepard(PreparedCloud& cloud, const SurfaceOptions& options, Progress& progress) {
   const auto samples = std::make_shared<const SurfaceSamples>(prepare_samples(cloud.points, progress, cloud.noise));
   SurfaceParts parts;
-  parts.field = std::make_shared<const ShepardPlanes>(samples);
+  parts.field = std::make_shared<const ShepardPlanes>(samples, kNeighbours.of(options));
   parts.samples = samples;
   parts.spacings = samples->spacing;
   parts.support.centers = samples->positions;
@@ -61,12 +67,14 @@ SurfaceParts make_shepard(PreparedCloud& cloud, const SurfaceOptions&, Progress&
 }
 
 constexpr std::string_view kUses[] = {"sharp"};
+constexpr OptionRow kOwn[] = {kNeighbours};
 
 const Registered<SurfaceMethod> shepard({.name = "shepard",
                                          .summary = "tangent planes of the nearest samples, weighted by their distance",
                                          .page = "implicit-surfaces.md",
                                          .make = make_shepard,
-                                         .uses = kUses});
+                                         .uses = kUses,
+                                         .own = kOwn});
 
 }  // namespace
 }  // namespace sansmesh::inline v1

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/error.h"
+#include "sansmesh/flow/flow_integrator.h"
 #include "sansmesh/flow_options.h"
 #include "support/any_threads.h"
 
@@ -21,14 +22,14 @@ Traces traced(const VectorField& field, const std::vector<Vec3>& seeds, const Tr
   return trace_lines(field, seeds, std::vector<double>(seeds.size(), from), options, progress);
 }
 
-TraceOptions for_time(double duration, Integrator integrator = Integrator::dopri5) {
+TraceOptions for_time(double duration, std::string_view integrator = "dopri5") {
   TraceOptions options;
   options.duration = duration, options.integrator = integrator;
   return options;
 }
 
 /// Distance from where a particle of the rotation should be after a quarter of a turn.
-double error_of(Integrator integrator, double step) {
+double error_of(std::string_view integrator, double step) {
   const auto flow = analytic_flow("rotation");
   TraceOptions options = for_time(kPi / 2, integrator);
   options.step = step, options.tolerance = 10;  // no shorter steps
@@ -38,13 +39,35 @@ double error_of(Integrator integrator, double step) {
   return norm(t.positions.back() - Vec3{0, 1, 0});
 }
 
-TEST(Trace, ErrorsFallByTheOrder) {
-  const double euler = error_of(Integrator::euler, 0.01) / error_of(Integrator::euler, 0.005);
-  EXPECT_NEAR(std::log2(euler), 1, 0.1);
-  const double rk4 = error_of(Integrator::rk4, 0.1) / error_of(Integrator::rk4, 0.05);
-  EXPECT_NEAR(std::log2(rk4), 4, 0.3);
-  const double dopri5 = error_of(Integrator::dopri5, 0.2) / error_of(Integrator::dopri5, 0.1);
-  EXPECT_NEAR(std::log2(dopri5), 5, 0.3);
+/// Integrators are known by name; what is none is an error with all names, before anything moves.
+TEST(Trace, WhatIsNoIntegratorIsAnErrorThatListsThem) {
+  const auto flow = analytic_flow("rotation");
+  for (const char* const wrong : {"rk5", "", "Euler"}) {
+    try {
+      traced(*flow, {{1, 0, 0}}, for_time(1, wrong));
+      ADD_FAILURE() << wrong;
+    } catch (const ArgumentError& error) {
+      EXPECT_EQ(error.fault().field, "integrator");
+      EXPECT_EQ(error.what(), "`integrator` must be one of euler, rk4, dopri5, not '" + std::string(wrong) + "'");
+    }
+  }
+}
+
+/// Errors fall by the order that integrators are registered with, and steps are as long by themselves.
+TEST(Trace, IntegratorsAreWhatTheyAreRegisteredAs) {
+  const auto flow = analytic_flow("rotation");
+  const double diagonal = flow->bounds().diagonal();
+  for (const FlowIntegrator* const one : FlowIntegrator::registry().all()) {
+    SCOPED_TRACE(one->name);
+    const double step = one->order == 1 ? 0.01 : one->order == 4 ? 0.1 : 0.2;
+    EXPECT_NEAR(std::log2(error_of(one->name, step) / error_of(one->name, step / 2)), one->order, 0.3);
+    const TraceOptions by_itself = for_time(kPi, one->name);
+    TraceOptions told = by_itself;
+    told.step = one->reach * diagonal;
+    EXPECT_EQ(traced(*flow, {{1, 0, 0}}, by_itself).positions, traced(*flow, {{1, 0, 0}}, told).positions);
+    told.step = 0.5 * one->reach * diagonal;
+    EXPECT_NE(traced(*flow, {{1, 0, 0}}, by_itself).positions, traced(*flow, {{1, 0, 0}}, told).positions);
+  }
 }
 
 TEST(Trace, ToleranceOfDormandAndPrinceIsKept) {
@@ -65,7 +88,7 @@ TEST(Trace, ToleranceOfDormandAndPrinceIsKept) {
 
 TEST(Trace, PointsBetweenStepsLieOnTheLine) {
   const auto flow = analytic_flow("rotation");
-  for (const Integrator integrator : {Integrator::rk4, Integrator::dopri5}) {
+  for (const std::string_view integrator : {"rk4", "dopri5"}) {
     TraceOptions options = for_time(2 * kPi, integrator);
     options.step = 0.1;
     const Traces t = traced(*flow, {{1, 0, 0}}, options);
@@ -94,13 +117,13 @@ TEST(Trace, BackwardReturns) {
 
 TEST(Trace, EndsAtTheBoundaryAndNotBeyond) {
   const auto flow = analytic_flow("saddle");
-  for (const Integrator integrator : {Integrator::euler, Integrator::rk4, Integrator::dopri5}) {
+  for (const std::string_view integrator : {"euler", "rk4", "dopri5"}) {
     const Traces t = traced(*flow, {{0.01, 3, 1}}, for_time(100, integrator));
     EXPECT_EQ(t.ends[0], TraceEnd::boundary);
     EXPECT_LE(t.positions.back().x, 4);
     EXPECT_NEAR(t.positions.back().x, 4, 1e-5);
     // x grows as e^t.
-    EXPECT_NEAR(t.times.back(), std::log(400), integrator == Integrator::euler ? 0.1 : 1e-3);
+    EXPECT_NEAR(t.times.back(), std::log(400), integrator == "euler" ? 0.1 : 1e-3);
   }
 }
 

@@ -16,7 +16,10 @@ bool contains(const std::vector<std::string>& list, const std::string& word) {
 
 TEST(Formats, StandInTheOrderOfTheirNumbers) {
   const std::vector<const FormatInfo*> all = formats();
-  for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(static_cast<std::size_t>(all[i]->id), i);
+  constexpr auto numbered = static_cast<std::size_t>(FormatId::added);
+  ASSERT_GE(all.size(), numbered);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    EXPECT_EQ(static_cast<std::size_t>(all[i]->id), std::min(i, numbered)) << all[i]->name;
 }
 
 TEST(Formats, EveryEndingNamesOneFormatForEachContent) {
