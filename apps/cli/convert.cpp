@@ -102,7 +102,7 @@ void run_convert(const ConvertArguments& a, Console& console) {
     const bool mesh = parts[k].is_mesh;
     outputs.push_back({files[k], parts[k].size(), told_if(mesh, parts[k].mesh.triangles.size())});
   }
-  console.say(fmt::format("{} ({})", name, read.format));
+  console.say(fmt::format("{}: {} ({})", name, made.report.size_words, read.format));
   console.say(said);
   for (std::size_t k = 0; k < std::min(kTold, parts.size()); ++k)
     console.say(fmt::format("{}: {}{}", files[k], parts[k].size_words(), a.split ? "" : parts[k].belongings(lost)));

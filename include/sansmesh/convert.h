@@ -241,7 +241,7 @@ SANSMESH_API void write_converted(const std::string& file, const CloudOrMesh& da
 /// Cancelled.
 SANSMESH_API ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& progress);
 
-/// What came, and what became of it in each step, in lines for people.
+/// What became of the data, a line for each step that says something.
 SANSMESH_API std::vector<std::string> summary_of(const ConvertReport& report);
 
 /// What counts as connected, and which parts are kept.

@@ -146,7 +146,7 @@ void write_converted(const std::string& file, const CloudOrMesh& data, bool asci
 }
 
 std::vector<std::string> summary_of(const ConvertReport& report) {
-  std::vector<std::string> lines{report.size_words};
+  std::vector<std::string> lines;
   for (const ConvertedBy& done : report.steps)
     if (!done.remark.empty()) lines.push_back(in_accents(done.step) + ": " + done.remark);
   return lines;
