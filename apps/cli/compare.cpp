@@ -6,7 +6,6 @@
 #include <fmt/core.h>
 
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "commands.h"

@@ -10,7 +10,7 @@
 #include "mesh_words.h"
 #include "option_groups.h"
 #include "schema_options.h"
-#include "solid_input.h"
+#include "surface_input.h"
 
 namespace sansmesh::cli {
 namespace {

@@ -13,8 +13,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/frame_names.h"
 #include "schema_options.h"
-#include "solid_input.h"
-#include "volume_colors.h"
+#include "surface_input.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {

@@ -9,7 +9,6 @@
 #include "option_groups.h"
 #include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/function_edits.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"

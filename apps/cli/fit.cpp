@@ -10,7 +10,6 @@
 #include "commands.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/io.h"
 #include "schema_options.h"
 

@@ -12,7 +12,6 @@
 #include "error_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
-#include "sansmesh/function/function_file.h"
 #include "sansmesh/io.h"
 #include "volume_input.h"
 

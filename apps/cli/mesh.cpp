@@ -5,8 +5,6 @@
 #include "commands.h"
 #include "mesh_words.h"
 #include "option_groups.h"
-#include "sansmesh/function/function_file.h"
-#include "sansmesh/function/mesh_function.h"
 #include "sansmesh/functions.h"
 #include "sansmesh/jobs/fit_words.h"
 #include "sansmesh/mesh_options.h"

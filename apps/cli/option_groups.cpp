@@ -1,7 +1,5 @@
 #include "option_groups.h"
 
-#include <fmt/core.h>
-
 #include <vector>
 
 #include "mesh_words.h"

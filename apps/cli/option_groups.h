@@ -1,7 +1,6 @@
 // Options that several commands have, and words for the values of enumerations.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -9,9 +8,7 @@
 #include "console.h"
 #include "picture_options.h"
 #include "sansmesh/function/fitted_function.h"
-#include "sansmesh/function/mesh_function.h"
 #include "sansmesh/mesh_options.h"
-#include "sansmesh/points/orient_words.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/render_options.h"
 #include "sansmesh/surface/curvature_words.h"

@@ -11,13 +11,6 @@
 namespace sansmesh::cli {
 std::string in_quotes(const std::string& word) { return "'" + printable(word, 60) + "'"; }
 
-std::string joined_by_or(const std::vector<std::string>& words) {
-  std::string text;
-  for (std::size_t i = 0; i < words.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
-  return text;
-}
-
 ValueError must_be(const std::string& form, const std::string& text) {
   return ValueError(fmt::format("must be {}, not {}", form, in_quotes(text)));
 }

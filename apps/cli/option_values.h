@@ -14,9 +14,6 @@ namespace sansmesh::cli {
 
 /// "'deep'", made printable.
 std::string in_quotes(const std::string& word);
-/// "a, b or c".
-std::string joined_by_or(const std::vector<std::string>& words);
-
 /// "must be three numbers with commas between them, not 'a,b'"
 ValueError must_be(const std::string& form, const std::string& text);
 

@@ -1,12 +1,9 @@
 #include "picture_options.h"
 
-#include <fmt/core.h>
-
 #include "help_levels.h"
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/frame_names.h"
 #include "schema_options.h"
-#include "standard_streams.h"
 
 namespace sansmesh::cli {
 

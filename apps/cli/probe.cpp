@@ -5,7 +5,6 @@
 
 #include "cloud_input.h"
 #include "commands.h"
-#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"

@@ -9,6 +9,7 @@
 #include "command_line.h"
 #include "flags.h"
 #include "option_values.h"
+#include "sansmesh/core/similar_words.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::cli {

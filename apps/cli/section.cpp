@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "commands.h"
-#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"

@@ -13,7 +13,6 @@
 #include "sansmesh/io/formats.h"
 #include "sansmesh/jobs/motion_files.h"
 #include "schema_options.h"
-#include "volume_colors.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {

@@ -1,8 +1,6 @@
 // The word `-` in place of a file: standard input or output.
 #pragma once
 
-#include <string>
-
 #include "command_line.h"
 
 namespace sansmesh::cli {

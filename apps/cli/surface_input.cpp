@@ -40,4 +40,10 @@ SurfaceInput open_surface(const CloudInput& input, Console& console) {
   return {std::move(surface), std::move(told), std::move(read)};
 }
 
+SolidModel open_solid(const std::string& expression, Console& console) {
+  SolidModel solid = read_solid(expression, console.progress());
+  console.note(expression, solid.notes());
+  return solid;
+}
+
 }  // namespace sansmesh::cli

@@ -7,6 +7,7 @@
 #include "cloud_input.h"
 #include "console.h"
 #include "sansmesh/inspect.h"
+#include "sansmesh/solids.h"
 #include "sansmesh/volumes.h"
 
 namespace sansmesh::cli {
@@ -29,5 +30,8 @@ struct SurfaceInput {
 /// Reads the file, or several as one, and of points those of the classes chosen; warnings go to the console. Errors of
 /// the data are thrown as FileError that name the file.
 SurfaceInput open_surface(const CloudInput& input, Console& console);
+
+/// Reads a solid from an expression (read_solid) and prints its notes. Throws FileError and ArgumentError.
+SolidModel open_solid(const std::string& expression, Console& console);
 
 }  // namespace sansmesh::cli

@@ -21,18 +21,14 @@ VolumeModel VolumeInput::open(Console& console) const {
   return volume;
 }
 
-void add_volume_files(CommandLine& c, VolumeInput& input) {
-  c.add_option("data", input.files, "Volume; several files are its blocks").type_name("DATA").reads().required();
-  add_raw_options(c, input.read);
-}
-
 void add_raw_options(CommandLine& c, VolumeReadOptions& options) {
   add_schema(c, options.raw, {.group = "Raw files"});
   add_schema(c, options, {.only = {"time_step", "solution", "fill_value"}});
 }
 
 void add_volume_input(CommandLine& c, VolumeInput& input) {
-  add_volume_files(c, input);
+  c.add_option("data", input.files, "Volume; several files are its blocks").type_name("DATA").reads().required();
+  add_raw_options(c, input.read);
   add_schema<VolumeModelOptions>(c, input, {.only = {"array"}});
   add_schema(c, input.reconstruction, {.group = "Reconstruction"});
 }
@@ -64,6 +60,20 @@ NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console) {
   console.note(volume.name(), notes);
   named.use = volume_use(volume, console.progress());
   return named;
+}
+
+void VolumeColors::put_into(VolumePictureOptions& options) const {
+  options.preset = look.preset;
+  options.opacity_factor = look.opacity_factor;
+  options.isos = look.isos;
+  if (!transfer.empty()) options.transfer = read_transfer_function(transfer);
+}
+
+void VolumeColors::add_options(CommandLine& c, const char* group) {
+  add_schema(c, look, {.group = group, .only = {"preset", "opacity_factor", "iso"}});
+  c.add_option("--transfer", transfer, "Colours and opacities from a file: JSON of ours or a colour map of ParaView")
+      .reads()
+      .group(group);
 }
 
 }  // namespace sansmesh::cli

@@ -9,6 +9,7 @@
 
 #include "console.h"
 #include "sansmesh/io/read_volume.h"
+#include "sansmesh/volume_look.h"
 #include "sansmesh/volumes.h"
 #include "told_files.h"
 
@@ -34,8 +35,6 @@ struct VolumeInput : VolumeModelOptions {
   VolumeModel open(Console& console) const;
 };
 
-/// DATA, and what raw files need: --dims, --type, …
-void add_volume_files(CommandLine& command, VolumeInput& input);
 /// The same, --array, and --method with its options.
 void add_volume_input(CommandLine& command, VolumeInput& input);
 /// --array and --method.
@@ -64,5 +63,17 @@ inline constexpr const char* kReadableVolumes =
     "through VTK, .vti .vtr .vts .vtu .vtm .vthb .vtk, Exodus, EnSight, CGNS and folders of DICOM slices; fitted\n"
     "volumes (.smv, made by volume fit).\n"
     "Several files are the blocks of one volume.";
+
+/// Look of a volume in a picture: --preset, --transfer, --opacity-factor and --iso.
+struct VolumeColors {
+  VolumePictureOptions look;  ///< its preset, opacity and iso-surfaces
+  std::string transfer;       ///< a file
+
+  /// None of the options was given.
+  bool usual() const { return transfer.empty() && options_set(look).empty(); }
+  /// Reads the transfer function's file. Throws FileError and ArgumentError.
+  void put_into(VolumePictureOptions& options) const;
+  void add_options(CommandLine& command, const char* group);
+};
 
 }  // namespace sansmesh::cli

@@ -15,7 +15,6 @@
 #include "sansmesh/volume_pictures.h"
 #include "sansmesh/volumes.h"
 #include "schema_options.h"
-#include "volume_colors.h"
 #include "volume_input.h"
 
 namespace sansmesh::cli {

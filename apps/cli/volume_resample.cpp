@@ -1,8 +1,6 @@
 // sansmesh volume resample: a volume on a uniform grid.
 #include "sansmesh/volumes.h"
 
-#include <fmt/core.h>
-
 #include <limits>
 #include <string>
 
