@@ -184,7 +184,7 @@ Command add_deform(CommandLine& app) {
       "  sansmesh deform solid.ply --handles open.json --cut 'half-plane(0,0,0; 0,0,1; 1,0,0)' -o opened.ply\n"
       "  sansmesh deform head.mhd --handles nod.json -o nod.vti --size 256\n"
       "  sansmesh deform body.ply --handles-from scan0.ply,scan1.ply --handle-count 60 -o body1.ply");
-  c.tells({told<ReadCloud>("input"), told<SolidModel>("input"), told<ReadVolume>("input"), told<ReadFiles>("input"),
+  c.tells({told<ReadCloud>("input"), told<SolidModel>("input"), told<ReadVolume>("input"),
            told<Deformation>("deformation"), told<DeformableVolume>("output"), told<DeformReport>("output"),
            told_value<std::vector<std::string>>("output.files", "Files, a pose each")});
   return {&c, [shared](Console& console) { run_deform(*shared, console); }};
