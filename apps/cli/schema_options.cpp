@@ -154,6 +154,16 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   };
 }
 
+/// Calls `use` for every row, but for those that all pictures share: commands have them by add_picture_options().
+void for_each_own_option(std::span<const OptionRow> rows, void* options,
+                         const std::function<void(const OptionRow& row, void* owner)>& use) {
+  for (const OptionRow& row : rows)
+    if (row.kind != OptionKind::group && row.kind != OptionKind::steps)
+      use(row, options);
+    else if (row.name != "picture")
+      for_each_own_option(row.rows, row.part(options), use);
+}
+
 }  // namespace
 
 void add_schema(CommandLine& c, const OptionSchema& schema, void* options, const SchemaOptions& how) {
@@ -161,11 +171,11 @@ void add_schema(CommandLine& c, const OptionSchema& schema, void* options, const
     return std::find(names.begin(), names.end(), name) != names.end();
   };
   std::vector<std::string_view> names;
-  for_each_option(schema, options, [&](const OptionRow& row, void*) { names.push_back(row.name); });
+  for_each_own_option(schema.rows, options, [&](const OptionRow& row, void*) { names.push_back(row.name); });
   for (const auto* const list : {&how.only, &how.without})
     for (const std::string_view name : *list)
       if (!among(names, name)) throw std::logic_error("no option is called " + std::string(name));
-  for_each_option(schema, options, [&](const OptionRow& row, void* owner) {
+  for_each_own_option(schema.rows, options, [&](const OptionRow& row, void* owner) {
     if ((how.only.empty() || among(how.only, row.name)) && !among(how.without, row.name)) add_row(c, row, owner, how);
   });
 }

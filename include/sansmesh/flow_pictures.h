@@ -42,7 +42,7 @@ struct SANSMESH_API FlowPictureOptions {
   RenderOptions picture = {};  ///< its width is that of picture and bars together
   bool any_view = true;        ///< nobody chose the view: that of a single layer looks straight at it
 
-  /// Without `picture`.
+  /// The rows of these options, those of `picture` among them.
   static const OptionSchema& schema();
   /// Throws ArgumentError for bad options, and for such as mean nothing together.
   void validate() const;

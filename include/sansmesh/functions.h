@@ -31,6 +31,8 @@ struct FitFunctionOptions {
   CloudUse cloud = {};  ///< done to the samples first
   FitOptions fit = {};  ///< of the function
 
+  /// The rows of its parts.
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const { fit.validate(); }
 };

@@ -122,7 +122,7 @@ struct SANSMESH_API LinePictureOptions {
   RenderOptions picture = {};
   bool any_view = true;  ///< nobody chose the view: that of a single layer looks straight at it
 
-  /// Without `picture`.
+  /// The rows of these options, those of `picture` among them.
   static const OptionSchema& schema();
   /// Throws ArgumentError for bad options, and where the picture is too narrow for its scale. `usual`: what colours are
   /// by if nothing is said.

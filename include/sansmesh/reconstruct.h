@@ -30,6 +30,8 @@ struct SANSMESH_API ReconstructOptions {
 
   /// Whether it is another surface than the adaptive partition of unity.
   bool other_surface() const { return surface.method != kPartitionSurface; }
+  /// The rows of its parts. Some fields of `fit` and of `surface` have the same name (`error`, `depth`, `smooth`).
+  static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

@@ -172,7 +172,7 @@ struct SANSMESH_API SurfaceRenderOptions {
   /// background in front, a bright sky elsewhere.
   std::function<Vec3f(const Vec3f& direction)> environment = {};
 
-  /// All but those of `picture`.
+  /// The rows of these options, those of `picture` among them.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;

@@ -125,7 +125,7 @@ struct SANSMESH_API VolumePictureOptions {
   std::string unit = {};         ///< of lengths, at the axes
   std::string title = {};        ///< above the picture
 
-  /// Some of those that `picture` does not have.
+  /// The rows of most of these options, those of `picture` among them.
   static const OptionSchema& schema();
   /// Throws ArgumentError naming the field.
   void validate() const;

@@ -9,6 +9,14 @@
 
 namespace sansmesh::inline v1 {
 
+const OptionSchema& FitFunctionOptions::schema() {
+  using O = FitFunctionOptions;
+  static const OptionRow rows[] = {option_group<&O::cloud>(CloudUse::schema().rows),
+                                   option_group<&O::fit>(FitOptions::schema().rows)};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
 FitFunctionResult fit_function(PointSet points, const FitFunctionOptions& options, Progress& progress) {
   options.validate();
   PreparedCloud cloud = prepare_cloud(std::move(points), options.cloud, progress);

@@ -248,6 +248,7 @@ class SurfacePictures {
 const OptionSchema& FlowPictureOptions::schema() {
   using O = FlowPictureOptions;
   static const OptionRow rows[] = {
+      option_group<&O::picture>(RenderOptions::schema().rows),
       option_group<&O::trace>(TraceSurfaceOptions::schema().rows),
       option<&O::textured>({.text = "Without streaks along the flow (line integral convolution)",
                             .name = "streaks",

@@ -89,7 +89,8 @@ RenderOptions look_for(const LinePictureOptions& options, const Box3& box) {
 
 const OptionSchema& LinePictureOptions::schema() {
   using O = LinePictureOptions;
-  static constexpr OptionRow rows[] = {
+  static const OptionRow rows[] = {
+      option_group<&O::picture>(RenderOptions::schema().rows),
       option<&O::color_by>({.text = "speed, time, vorticity, or an array of `carry`; of vectors their length",
                             .unit = "name",
                             .from_data = "speed; of streak and time lines time"}),
@@ -98,7 +99,7 @@ const OptionSchema& LinePictureOptions::schema() {
                                .unit = "length",
                                .from_data = "1/400 of the lines' diagonal",
                                .range = positive()})};
-  static constexpr OptionSchema schema{rows};
+  static const OptionSchema schema{rows};
   return schema;
 }
 

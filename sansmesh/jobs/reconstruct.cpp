@@ -109,6 +109,15 @@ void reconstruct_surface(PointSet points, const ReconstructOptions& options, Pro
 
 }  // namespace
 
+const OptionSchema& ReconstructOptions::schema() {
+  using O = ReconstructOptions;
+  static const OptionRow rows[] = {
+      option_group<&O::cloud>(CloudUse::schema().rows), option_group<&O::fit>(FitOptions::schema().rows),
+      option_group<&O::mesh>(MeshOptions::schema().rows), option_group<&O::surface>(SurfaceOptions::schema().rows)};
+  static const OptionSchema schema{rows};
+  return schema;
+}
+
 void ReconstructOptions::validate() const {
   surface.validate();
   if (other_surface()) {

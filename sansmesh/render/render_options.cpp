@@ -175,7 +175,8 @@ void move_from_input(RenderOptions& options, const Placement& place) {
 
 const OptionSchema& SurfaceRenderOptions::schema() {
   using O = SurfaceRenderOptions;
-  static constexpr OptionRow rows[] = {
+  static const OptionRow rows[] = {
+      option_group<&O::picture>(RenderOptions::schema().rows),
       option<&O::reflection>({.text = "Share of the light that a mirror would send", .unit = "share", .range = {0, 1}}),
       option<&O::transmission>(
           {.text = "Share of the light that comes through the body", .unit = "share", .range = {0, 1}}),
@@ -187,7 +188,7 @@ const OptionSchema& SurfaceRenderOptions::schema() {
       option<&O::exact_shadows>({.text = "Shadows by rays against the surface itself: slow"}),
       option<&O::plain>(
           {.text = "Quick: one ray per pixel, no shadows, no ground", .name = "quick", .old_name = "plain"})};
-  static constexpr OptionSchema schema{rows};
+  static const OptionSchema schema{rows};
   return schema;
 }
 

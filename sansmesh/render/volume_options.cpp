@@ -147,6 +147,7 @@ VolumeCut volume_cut_of(const std::string& text) {
 const OptionSchema& VolumePictureOptions::schema() {
   using O = VolumePictureOptions;
   static const OptionRow rows[] = {
+      option_group<&O::picture>(RenderOptions::schema().rows),
       option<&O::preset, PresetWords>(
           {.text = "Colours and opacities: ct-bone, ct-soft-tissue, mr, flow, diverging, gray",
            .unit = "name",
