@@ -64,6 +64,7 @@ void run_advise(const CloudInput& input, const CommandLine& recommended, Console
   console.tell(input.told(read, points.size()), "input");
   console.tell(advice);
   std::vector<ToldAdvice> told;
+  told.reserve(advice.recommendations.size());
   for (const Recommendation& r : advice.recommendations)
     told.push_back({r, {command_of(r, input)}, in_flags(r.why, recommended)});
   console.tell(told, "recommendations");

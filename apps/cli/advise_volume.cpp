@@ -95,6 +95,7 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
   console.tell(advice);
   const std::string files = shell_words(input.files) + read_words(input.read);
   std::vector<ToldCommand> told;
+  told.reserve(advice.recommendations.size());
   for (const VolumeRecommendation& r : advice.recommendations)
     told.push_back({aim_word(r.aim), r.why, volume_command(r, advice, files, input.files.size() > 1)});
   console.tell(told, "commands");

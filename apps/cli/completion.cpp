@@ -52,6 +52,7 @@ std::string joined(const std::vector<std::string>& words, const std::string& bet
 /// "ply|obj" of the endings that fit; empty if all files do.
 std::string endings_pattern(const OptionEntry& option) {
   std::vector<std::string> bare;
+  bare.reserve(option.endings.size());
   for (const std::string& ending : option.endings) bare.push_back(ending.substr(1));
   return joined(bare, "|");
 }

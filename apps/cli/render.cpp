@@ -91,6 +91,7 @@ void run_render(const RenderArguments& a, Console& console) {
     console.say(summary_of(*r.surface));
   }
   std::vector<ToldObject> objects_told;
+  objects_told.reserve(r.objects.size());
   for (std::size_t i = 0; i < r.objects.size(); ++i) objects_told.push_back({inputs[i].told(), r.objects[i]});
   console.tell(objects_told, "objects");
   const WrittenPictures& p = files.written();

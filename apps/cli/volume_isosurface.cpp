@@ -63,6 +63,7 @@ void run_moments(const IsosurfaceArguments& a, Console& console) {
   console.tell(series);
   console.tell(r);
   std::vector<WrittenMoment> frames;
+  frames.reserve(r.moments.size());
   for (const IsosurfaceMoment& moment : r.moments) frames.push_back({names[frames.size()], moment});
   console.tell(frames, "frames");
 

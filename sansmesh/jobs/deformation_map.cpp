@@ -125,6 +125,7 @@ std::string count_line(const DeformReport& r) {
 
 std::vector<std::string> summary_of(const DeformReport& r) {
   std::vector<std::string> lines;
+  lines.reserve(r.sections.size() + 2);
   for (const Section& section : r.sections) lines.push_back(section_words(section));
   if (r.vertices > 0) lines.push_back(count_line(r));
   if (r.solid) lines.push_back(area_words(r.solid->area, r.solid->volume));

@@ -145,6 +145,7 @@ namespace {
 
 std::vector<std::optional<double>> ends_of(const AttributeInfo& info, bool upper) {
   std::vector<std::optional<double>> ends;
+  ends.reserve(info.ranges.size());
   for (const auto& range : info.ranges)
     ends.push_back(range ? std::optional(upper ? range->second : range->first) : std::nullopt);
   return ends;

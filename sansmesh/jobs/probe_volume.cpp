@@ -85,6 +85,7 @@ const ReportSchema& ProbeReport::schema() {
 
 std::vector<ProbedValue> probed_values(const ProbeResult& p) {
   std::vector<ProbedValue> values;
+  values.reserve(p.values.size());
   const std::size_t components = p.names.size();
   for (std::size_t k = 0; k < p.values.size(); ++k)
     values.push_back({p.points[k / components], p.names[k % components], p.values[k], p.gradients[k],
