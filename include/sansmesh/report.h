@@ -103,6 +103,16 @@ using Owner = typename OwnerOf<decltype(getter)>::type;
 template <auto getter>
 using Told = std::remove_cvref_t<std::invoke_result_t<decltype(getter), const Owner<getter>&>>;
 
+/// What a getter gets. Of functions another one of the same type is called: an argument of a template that is an object
+/// of an unnamed type is one for all sources to clang, which number these types alike.
+template <auto getter, class T>
+decltype(auto) got(const T& owner) {
+  if constexpr (std::is_member_pointer_v<decltype(getter)>)
+    return std::invoke(getter, owner);
+  else
+    return std::remove_const_t<decltype(getter)>()(owner);
+}
+
 /// The name of a field or member function, as the compiler spells it.
 template <auto getter>
 consteval std::string_view name_of() {
@@ -245,9 +255,8 @@ void use_parts(const T& v, const UsePart& use) {
 /// The row of a field, `reported<&SmoothReport::mean_edge>({.text = "Mean length of the edges", .unit = "length"})`. In
 /// place of the field a member function, or a lambda of the struct, whose row needs a name. The field is one of the
 /// struct itself, not of a base (see reported_base).
-template <auto getter>
+template <auto getter, class Owner = report_detail::Owner<getter>>
 constexpr ReportRow reported(const ReportFacts& facts) {
-  using Owner = report_detail::Owner<getter>;
   using Told = report_detail::Told<getter>;
   ReportRow row;
   static_cast<ReportFacts&>(row) = facts;
@@ -259,11 +268,11 @@ constexpr ReportRow reported(const ReportFacts& facts) {
                 report_detail::kind_of<Told>() == ReportKind::reports) {
     row.part = &report_detail::PartOf<Told>::type::schema;
     row.each = [](const void* report, const UsePart& use) {
-      report_detail::use_parts<Told>(std::invoke(getter, *static_cast<const Owner*>(report)), use);
+      report_detail::use_parts<Told>(report_detail::got<getter>(*static_cast<const Owner*>(report)), use);
     };
   } else {
     row.get = [](const void* report) {
-      return report_detail::value_of<Told>(std::invoke(getter, *static_cast<const Owner*>(report)));
+      return report_detail::value_of<Told>(report_detail::got<getter>(*static_cast<const Owner*>(report)));
     };
   }
   return row;
