@@ -18,7 +18,7 @@ class Option {
  public:
   explicit Option(OptionEntry& entry) : entry_(&entry) {}
 
-  /// What help calls its value.
+  /// The name of its value in help: FILE, LENGTH.
   Option type_name(const std::string& name) const;
   /// Heading in the help.
   Option group(const std::string& name) const;
@@ -67,7 +67,7 @@ class CommandLine {
   /// Text of the help below the options. Lines after one that is "Examples:" are commands to try.
   void footer(const std::string& text);
 
-  /// What it tells with --json: all that it may tell there.
+  /// Reports that the command may tell with --json.
   void tells(const std::vector<ToldReport>& reports) { told_.insert(told_.end(), reports.begin(), reports.end()); }
   const std::vector<ToldReport>& told() const { return told_; }
 

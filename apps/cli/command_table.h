@@ -13,7 +13,7 @@ struct CommonArguments {
   int threads = 0;
 };
 
-/// Those that apps/cli/CMakeLists.txt lists, in its order, from which the definition is made.
+/// Functions that add the commands which apps/cli/CMakeLists.txt lists, in its order; made from that list.
 std::vector<Command (*)(CommandLine& app)> own_commands();
 
 /// Declares the commands and their options. `line` is the whole tool; it and `common` live until a command has run.

@@ -25,7 +25,7 @@ constexpr double kBarDelay = 0.3;  // seconds of work before a bar is worth draw
 
 }  // namespace
 
-/// What was told until now, for programs.
+/// The JSON of all that was told until now.
 struct Console::Results {
   Json told, messages = Json::array();
   Json files = Json::array();  ///< of several files, one after the other
@@ -84,8 +84,7 @@ void Console::show(const std::string& text) {
 }
 
 void Console::say(const std::string& line) {
-  if (options_.json || options_.quiet) return;
-  show(line + "\n");
+  if (says()) show(line + "\n");
 }
 
 void Console::say(const std::vector<std::string>& lines) {

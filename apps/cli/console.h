@@ -44,6 +44,8 @@ class Console {
   /// follow those of the error, empty if there are none. Throws Cancelled.
   std::string rescue_frames();
 
+  /// True if what is said is printed: what takes time is only then measured for it.
+  bool says() const { return !options_.json && !options_.quiet; }
   /// A result for people: printed unless --json or --quiet. Once files were written, it waits for finish().
   void say(const std::string& line);
   /// Several lines, in which options are named as in messages of the library.

@@ -71,6 +71,12 @@ DeformSubject read_subject(const DeformArguments& a, DeformKind kind, std::vecto
     return solid;
   }
   VolumeModel volume = a.input.open(console);
+  if (a.map.nodes) {  // its box is all that matters
+    DeformableVolume subject{
+        .name = volume.name(), .samples = volume.samples(console.progress()), .fields = {}, .arrays = {}};
+    console.tell(a.input.told(volume, console.progress()), "input");
+    return subject;
+  }
   std::vector<Note> notes;
   DeformableVolume subject = deformable_volume(volume, a.aim(), a.all_arrays, console.progress(), notes);
   console.note(volume.name(), notes);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "commands.h"
+#include "mesh_words.h"
 #include "option_groups.h"
 #include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
@@ -54,7 +55,7 @@ void run_edit(const EditArguments& a, Console& console) {
   console.tell(ToldFile{a.input}, "input");
   console.tell(made);
   if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
-  if (!a.mesh_output.empty()) console.tell(WrittenMesh(a.mesh_output, made.mesh), "mesh");
+  if (!a.mesh_output.empty()) tell_mesh(a.mesh_output, made.mesh, console, "mesh");
 
   for (std::size_t i = 0; i < made.steps.size(); ++i)
     console.say(fmt::format("step {}: {}", i + 1, words_of(made.steps[i])));

@@ -40,6 +40,7 @@ void run_fill(FillArguments& a, Console& console) {
   warn_of_losses(a.input.file, a.input.report, a.output.file, made.mesh, console);
   a.output.write(made.mesh, console);
   console.tell(made);
+  if (!console.says()) return;
   console.say(fmt::format("{} → {}: {}", a.input.file, a.output.file, counted(made.triangles, "triangle")));
   console.say(summary_of(made, kMostLines));
   if (made.report.found.loops.size() > kMostLines) console.say("(--list names all holes)");

@@ -10,7 +10,7 @@
 
 namespace sansmesh::cli {
 
-/// What there is to tell of a flow.
+/// A report on a flow that was read.
 struct ReadFlow : ReadFiles {
   std::optional<VolumeUse> volume;  ///< of steady ones
   std::string vectors;

@@ -1,6 +1,4 @@
 // sansmesh flow render: pictures of stream, path, streak and time surfaces.
-#include <fmt/core.h>
-
 #include <memory>
 #include <string>
 #include <vector>
@@ -45,8 +43,7 @@ void run_flow_render(FlowRenderArguments& a, Console& console) {
   console.tell(files.written(), "output");
   console.tell(made);
   console.say_of(flow.name(), summary_of(made.surface));
-  console.say(
-      fmt::format("{}: {} × {} pixels", files.written().words(), files.written().width, files.written().height));
+  console.say(files.written().size_line());
 }
 
 }  // namespace

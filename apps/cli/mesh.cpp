@@ -32,6 +32,7 @@ void run_mesh(MeshArguments& a, Console& console) {
   console.tell(ToldFile{a.input}, "input");
   console.tell_value("input.fits", fits);
   console.tell(report);
+  if (!console.says()) return;
 
   console.say(fmt::format("{}: {}, {}", a.input, counted(fits, "local fit"), counted(function.samples(), "sample")));
   const MeshTopology topology = measure_topology(mesh);

@@ -42,9 +42,9 @@ void warn_of_losses(const std::string& input, const ReadReport& read, const std:
   warn_of(input, read, output, left_out(output, points), console);
 }
 
-void tell_mesh(const std::string& file, const TriangleMesh& mesh, Console& console) {
+void tell_mesh(const std::string& file, const TriangleMesh& mesh, Console& console, std::string_view key) {
   console.progress().finish();
-  if (console.options().json) console.tell(WrittenMesh(file, mesh), "output");
+  if (console.options().json) console.tell(WrittenMesh(file, mesh), key);
 }
 
 void say_mesh(const std::string& file, const TriangleMesh& mesh, std::size_t components, bool closed,

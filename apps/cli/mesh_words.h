@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "console.h"
 #include "sansmesh/io.h"
@@ -17,7 +18,7 @@ struct MeshInput {
   std::string file;
   ReadReport report;
 
-  /// What there is to say of the file goes to the console, which tells it as `input`. Throws FileError.
+  /// Reads it; warnings go to the console, which tells of it as `input`. Throws FileError.
   TriangleMesh read(Console& console);
   void add_to(CommandLine& command);
 };
@@ -29,8 +30,8 @@ void warn_of_losses(const std::string& input, const ReadReport& read, const std:
 void warn_of_losses(const std::string& input, const ReadReport& read, const std::string& output, const PointSet& points,
                     Console& console);
 
-/// Tells of a mesh that was written, as `output`. The stage of the progress ends.
-void tell_mesh(const std::string& file, const TriangleMesh& mesh, Console& console);
+/// Tells of a mesh that was written. The stage of the progress ends.
+void tell_mesh(const std::string& file, const TriangleMesh& mesh, Console& console, std::string_view key = "output");
 /// "a.ply: 1,234 triangles, 620 vertices in 1 component, closed".
 void say_mesh(const std::string& file, const TriangleMesh& mesh, std::size_t components, bool closed, Console& console);
 

@@ -41,6 +41,7 @@ void run_reconstruct(const ReconstructArguments& a, Console& console) {
   console.tell(scale);
   console.tell(made.report);
   console.tell_stages();
+  if (!console.says()) return;
 
   const ReconstructReport& r = made.report;
   console.say(fmt::format("{}: {}, {} ({})", name, counted(count, "point"), size, read.format));

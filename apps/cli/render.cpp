@@ -76,10 +76,7 @@ void run_render(const RenderArguments& a, Console& console) {
   for (const CloudInput& input : inputs)
     objects.push_back(open_object(input, !options.surface && !options.splats, console, read));
   PictureFiles files(a.picture, a.output, options.frames.has_value(), console);
-  const auto write = [&](std::size_t, const Image& image, const RenderOptions& made_with) {
-    files.write(image, made_with);
-  };
-  const RenderResult made = render(std::move(objects), options, write, progress);
+  const RenderResult made = render(std::move(objects), options, files.writer(), progress);
   const RenderReport& r = made.report;
   console.note(a.input.name(), made.notes);
   if (r.surface) {

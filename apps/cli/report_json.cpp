@@ -15,6 +15,23 @@ Json& place_of(Json& object, std::string_view path) {
   return dot == std::string_view::npos ? part : place_of(part, path.substr(dot + 1));
 }
 
+Json json_of_value(const ReportValue& value) {
+  return std::visit(
+      [](const auto& v) -> Json {
+        using T = std::decay_t<decltype(v)>;
+        if constexpr (std::is_same_v<T, std::monostate>) {
+          return nullptr;
+        } else if constexpr (std::is_same_v<T, ReportCounts>) {
+          Json counts = Json::object();
+          for (const auto& [name, count] : v) counts[name] = count;
+          return counts;
+        } else {
+          return v;
+        }
+      },
+      value);
+}
+
 void put_rows(Json& object, const ReportSchema& schema, const void* report);
 
 /// The value of a row: of a report an object, null where there is none; of reports a list of them.
@@ -69,23 +86,6 @@ void push_rows(Json& list, std::string_view before, const ReportSchema& schema, 
 }  // namespace
 
 std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
-
-Json json_of_value(const ReportValue& value) {
-  return std::visit(
-      [](const auto& v) -> Json {
-        using T = std::decay_t<decltype(v)>;
-        if constexpr (std::is_same_v<T, std::monostate>) {
-          return nullptr;
-        } else if constexpr (std::is_same_v<T, ReportCounts>) {
-          Json counts = Json::object();
-          for (const auto& [name, count] : v) counts[name] = count;
-          return counts;
-        } else {
-          return v;
-        }
-      },
-      value);
-}
 
 void put_value(Json& object, std::string_view key, const ReportValue& value) {
   place_of(object, key) = json_of_value(value);

@@ -10,7 +10,7 @@
 
 namespace sansmesh::cli {
 
-/// What a command tells with --json: a report under a key, "output", or beside the others; or a value that only the
+/// A report that a command tells with --json, under a key ("output") or beside the others; or a value that only the
 /// command knows.
 struct ToldReport {
   std::string_view key;
@@ -34,7 +34,6 @@ ToldReport told_value(std::string_view key, std::string_view text) {
   return told;
 }
 
-Json json_of_value(const ReportValue& value);
 /// Adds a value to an object, "output.lines" to the object that it holds there.
 void put_value(Json& object, std::string_view key, const ReportValue& value);
 /// Adds an empty list.

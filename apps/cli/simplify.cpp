@@ -23,6 +23,7 @@ void run_simplify(SimplifyArguments& a, Console& console) {
   warn_of_losses(a.input.file, a.input.report, a.output.file, made.mesh, console);
   a.output.write(made.mesh, console);
   console.tell(made.report);
+  if (!console.says()) return;
   console.say(a.input.file + " → " + a.output.file);
   console.say(summary_of(made));
 }

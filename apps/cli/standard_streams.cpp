@@ -3,12 +3,11 @@
 #include <fmt/core.h>
 
 #include "parse_line.h"
+#include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::cli {
 namespace {
-
-constexpr const char *kIn = "/dev/stdin", *kOut = "/dev/stdout";
 
 /// The ending that goes without saying; empty if there is none. Output has the first of the formats that it may have.
 std::string ending_by_itself(const OptionEntry& option, bool written) {
@@ -29,7 +28,7 @@ void name_standard_streams(CommandLine& command) {
       const std::string ending = value == "-" ? ending_by_itself(*option, written) : value.substr(1);
       if (written && ending.empty())
         throw UsageError(command, fmt::format("{} - needs the ending of a format, as -.ply", option->typed));
-      value = (written ? kOut : kIn) + ending;
+      value = std::string(written ? kStandardOutput : kStandardInput) + ending;
     }
   }
 }

@@ -12,7 +12,7 @@
 
 namespace sansmesh::cli {
 
-/// What there is to tell of it.
+/// A report on a surface that was read.
 struct ReadSurface : ReadFiles {
   std::string kind;                 ///< in a word
   std::optional<VolumeUse> volume;  ///< of isosurfaces

@@ -40,18 +40,18 @@ constexpr ReportRow kWrittenPictures[] = {
     reported<&WrittenPictures::width>({.text = "Width of each", .unit = "pixels"}),
     reported<&WrittenPictures::height>({.text = "Height of each", .unit = "pixels"})};
 
-constexpr ReportSchema kSchemas[] = {{kReadFiles},     {kReadCloud},   {kReadMesh},       {kToldFile},
-                                     {kWrittenPoints}, {kWrittenMesh}, {kWrittenPictures}};
+template <auto& rows>
+constexpr ReportSchema kSchema{rows};
 
 }  // namespace
 
-const ReportSchema& ReadFiles::schema() { return kSchemas[0]; }
-const ReportSchema& ReadCloud::schema() { return kSchemas[1]; }
-const ReportSchema& ReadMesh::schema() { return kSchemas[2]; }
-const ReportSchema& ToldFile::schema() { return kSchemas[3]; }
-const ReportSchema& WrittenPoints::schema() { return kSchemas[4]; }
-const ReportSchema& WrittenMesh::schema() { return kSchemas[5]; }
-const ReportSchema& WrittenPictures::schema() { return kSchemas[6]; }
+const ReportSchema& ReadFiles::schema() { return kSchema<kReadFiles>; }
+const ReportSchema& ReadCloud::schema() { return kSchema<kReadCloud>; }
+const ReportSchema& ReadMesh::schema() { return kSchema<kReadMesh>; }
+const ReportSchema& ToldFile::schema() { return kSchema<kToldFile>; }
+const ReportSchema& WrittenPoints::schema() { return kSchema<kWrittenPoints>; }
+const ReportSchema& WrittenMesh::schema() { return kSchema<kWrittenMesh>; }
+const ReportSchema& WrittenPictures::schema() { return kSchema<kWrittenPictures>; }
 
 WrittenMesh::WrittenMesh(std::string file_name, const TriangleMesh& mesh)
     : file(std::move(file_name)),

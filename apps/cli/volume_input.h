@@ -17,7 +17,7 @@ namespace sansmesh::cli {
 
 class CommandLine;
 
-/// What there is to tell of a volume that was used.
+/// A report on a volume that was read and used.
 struct ReadVolume : ReadFiles {
   VolumeUse use;
 

@@ -77,7 +77,7 @@ struct SANSMESH_API Advice {
   static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
 
-/// What the samples are like, and what was seen, in lines for people.
+/// Samples, spacing, noise and findings, in lines for people.
 SANSMESH_API std::vector<std::string> summary_of(const Advice& advice);
 
 /// Advice from traits: what METHODS §8 and docs/methods/which-method.md say of such traits.

@@ -231,7 +231,7 @@ SANSMESH_API void check_converted(const std::string& file, bool points);
 /// FileError.
 SANSMESH_API std::vector<Note> fit_to_format(CloudOrMesh& data, const std::string& file);
 
-/// What of it the format of the file has no room for: "normals", names of attributes.
+/// Parts that the format of the file has no room for: "normals", names of attributes.
 SANSMESH_API std::vector<std::string> left_out(const std::string& file, const CloudOrMesh& data);
 /// Writes a cloud or a mesh that fits; `ascii`: as text where the format has both. Throws FileError.
 SANSMESH_API void write_converted(const std::string& file, const CloudOrMesh& data, bool ascii = false);
@@ -241,7 +241,7 @@ SANSMESH_API void write_converted(const std::string& file, const CloudOrMesh& da
 /// Cancelled.
 SANSMESH_API ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& progress);
 
-/// What became of the data, a line for each step that says something.
+/// Remarks of the steps on what became of the data, a line each.
 SANSMESH_API std::vector<std::string> summary_of(const ConvertReport& report);
 
 /// What counts as connected, and which parts are kept.

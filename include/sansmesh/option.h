@@ -111,7 +111,7 @@ struct IsOptional : std::false_type {};
 template <class T>
 struct IsOptional<std::optional<T>> : std::true_type {};
 
-/// The name of a field, as the compiler spells it.
+/// The name of a field or member function, as the compiler spells it.
 template <auto member>
 consteval std::string_view field_name_of() {
   std::string_view text = __PRETTY_FUNCTION__;

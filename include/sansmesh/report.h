@@ -18,6 +18,7 @@
 
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
+#include "sansmesh/option.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -113,15 +114,6 @@ decltype(auto) got(const T& owner) {
     return std::remove_const_t<decltype(getter)>()(owner);
 }
 
-/// The name of a field or member function, as the compiler spells it.
-template <auto getter>
-consteval std::string_view name_of() {
-  std::string_view text = __PRETTY_FUNCTION__;
-  text = text.substr(text.find("getter = "));
-  text = text.substr(0, text.find_first_of(";]"));
-  return text.substr(text.rfind(':') + 1);
-}
-
 template <class T>
 struct ItemOf {};
 template <class T>
@@ -136,10 +128,7 @@ template <class T>
 concept IsList = requires {
   typename ItemOf<T>::type;
 };
-template <class T>
-struct IsOptional : std::false_type {};
-template <class T>
-struct IsOptional<std::optional<T>> : std::true_type {};
+using schema_detail::IsOptional;
 
 template <class T>
 concept IsPlace = std::same_as<T, Vec3> || std::same_as<T, Vec3f>;
@@ -261,9 +250,9 @@ constexpr ReportRow reported(const ReportFacts& facts) {
   ReportRow row;
   static_cast<ReportFacts&>(row) = facts;
   if constexpr (std::is_member_pointer_v<decltype(getter)>)
-    if (row.name.empty()) row.name = report_detail::name_of<getter>();
+    if (row.name.empty()) row.name = schema_detail::field_name_of<getter>();
   row.kind = report_detail::kind_of<Told>();
-  row.optional = report_detail::IsOptional<Told>::value;
+  row.optional = schema_detail::IsOptional<Told>::value;
   if constexpr (report_detail::kind_of<Told>() == ReportKind::report ||
                 report_detail::kind_of<Told>() == ReportKind::reports) {
     row.part = &report_detail::PartOf<Told>::type::schema;

@@ -30,8 +30,8 @@ Descriptor::~Descriptor() {
 }
 
 std::string file_to_open(const std::string& name) {
-  for (const std::string stream : {"/dev/stdin", "/dev/stdout"})
-    if (name.starts_with(stream + ".")) return stream;
+  for (const std::string_view stream : {kStandardInput, kStandardOutput})
+    if (name.starts_with(std::string(stream) + ".")) return std::string(stream);
   return name;
 }
 

@@ -7,6 +7,9 @@
 
 namespace sansmesh::inline v1 {
 
+/// The names of standard input and output; with an ending behind them, "/dev/stdout.ply", which says the format.
+inline constexpr std::string_view kStandardInput = "/dev/stdin", kStandardOutput = "/dev/stdout";
+
 /// All of a small file (a script, handles, a transfer function). Throws FileError where it is missing, a folder, a
 /// device, unreadable or larger than 256 MiB.
 std::string read_text(const std::string& file);

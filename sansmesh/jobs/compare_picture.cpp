@@ -10,7 +10,6 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/points.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render_options.h"
 
@@ -33,17 +32,6 @@ TransferFunction scale_of(double range, bool both_sides) {
 }
 
 }  // namespace
-
-MapPicture draw_curvature(const CurvatureResult& made, const CurvatureMapOptions& options, const RenderOptions& picture,
-                          Progress& progress) {
-  const CurvatureReport& r = made.report;
-  std::optional<ColorBar> bar;
-  if (options.bar) bar = curvature_bar(r.color_by, r.color_range, options.unit, r.beyond_range);
-  MapPicture drawn{.image = {}, .made_with = picture};
-  leave_room(drawn.made_with, bar);
-  drawn.image = beside_bar(render_mesh(to_mesh(made.points), drawn.made_with, progress), bar, drawn.made_with);
-  return drawn;
-}
 
 void check_map_picture(const RenderOptions& picture, const std::string& unit) {
   picture.validate();

@@ -11,6 +11,8 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/image.h"
+#include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/pictures.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/surface/curvature.h"
 #include "sansmesh/surface/curvature_words.h"
@@ -156,6 +158,17 @@ CurvatureResult curvature(PointSet points, const CurvatureMapOptions& options, P
   show_curvature(made, options, r);
   result.points = std::move(made.points);
   return result;
+}
+
+MapPicture draw_curvature(const CurvatureResult& made, const CurvatureMapOptions& options, const RenderOptions& picture,
+                          Progress& progress) {
+  const CurvatureReport& r = made.report;
+  std::optional<ColorBar> bar;
+  if (options.bar) bar = curvature_bar(r.color_by, r.color_range, options.unit, r.beyond_range);
+  MapPicture drawn{.image = {}, .made_with = picture};
+  leave_room(drawn.made_with, bar);
+  drawn.image = beside_bar(render_mesh(to_mesh(made.points), drawn.made_with, progress), bar, drawn.made_with);
+  return drawn;
 }
 
 std::vector<std::string> summary_of(const CurvatureResult& made) {

@@ -12,11 +12,11 @@
 
 namespace sansmesh::inline v1 {
 
-/// Where the normals came from, and their signs: "normals estimated, oriented by flight lines".
+/// Origin of the normals and of their signs: "normals estimated, oriented by flight lines".
 std::string normals_made(bool estimated, const std::optional<OrientBy>& oriented_by);
-/// What became of the blocks of a fit as the sources have it, in two lines.
+/// Counts of the blocks of a fit as the sources have it, in two lines.
 std::vector<std::string> paper_words(const PaperReport& report, const FitsOfDegree& fits);
-/// What enhancement did to the triangles.
+/// Aspect ratios of the triangles before and after enhancement.
 std::string aspect_words(const MeshReport& report);
 
 }  // namespace sansmesh::inline v1

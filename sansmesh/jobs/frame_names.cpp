@@ -7,6 +7,7 @@
 #include <set>
 #include <system_error>
 
+#include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -14,7 +15,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 void check_holds_several(const std::string& file) {
-  if (file.starts_with("/dev/stdout")) throw ArgumentError("standard output holds one file, not several");
+  if (file.starts_with(kStandardOutput)) throw ArgumentError("standard output holds one file, not several");
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ struct MotionFiles {
 
   /// True if there are pictures.
   bool draws() const;
-  /// What they need of a motion.
+  /// Positions and velocities that these files need of a motion.
   KeptMotion kept() const;
   /// Throws FileError where one cannot be written, ArgumentError where none is named.
   void check() const;

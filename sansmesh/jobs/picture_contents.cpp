@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "sansmesh/error.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/io.h"
+#include "sansmesh/jobs/with_name.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/render/surface_caster.h"
 #include "sansmesh/surface_function.h"
@@ -34,16 +34,9 @@ const OptionSchema& PictureContentsOptions::schema() {
 }
 
 PictureContents::PictureContents(const PictureContentsOptions& options, const RenderOptions& look, Progress& progress) {
-  for (const std::string& file : options.meshes) try {
-      surfaces_.push_back(surface_in_picture(read_mesh(file), look));
-    } catch (const DataError& error) {
-      throw FileError(file, error.what());
-    }
-  for (const std::string& file : options.points) try {
-      add_points(file, look, progress);
-    } catch (const DataError& error) {
-      throw FileError(file, error.what());
-    }
+  for (const std::string& file : options.meshes)
+    with_file(file, [&] { surfaces_.push_back(surface_in_picture(read_mesh(file), look)); });
+  for (const std::string& file : options.points) with_file(file, [&] { add_points(file, look, progress); });
 }
 
 PictureContents::~PictureContents() = default;
