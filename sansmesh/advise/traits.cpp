@@ -11,7 +11,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function/fitted_function.h"
-#include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/mesh/repair/sewn_mesh.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/given_normals.h"

@@ -16,7 +16,7 @@
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/meshing/mesh_steps.h"
-#include "sansmesh/volume/volume_boundary.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -21,7 +21,7 @@
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
-#include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume/cells/volume_locator.h"
 #include "sansmesh/volume_field.h"
 #include "sansmesh/volume_options.h"
 

@@ -15,7 +15,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/points/poisson_discs.h"
@@ -24,7 +24,7 @@
 #include "sansmesh/surface/foot_field.h"
 #include "sansmesh/surface/layer_projection.h"
 #include "sansmesh/triangulation/divide_blocks.h"
-#include "sansmesh/volume/sample_slopes.h"
+#include "sansmesh/volume/samples/sample_slopes.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -9,7 +9,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/function/function_cut.h"
 #include "sansmesh/function/function_domain.h"
-#include "sansmesh/mesh/clip_mesh.h"
+#include "sansmesh/mesh/edit/clip_mesh.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"

@@ -15,7 +15,7 @@
 #include "sansmesh/function/function_cut.h"
 #include "sansmesh/function/function_domain.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/mesh/replace_region.h"
+#include "sansmesh/mesh/edit/replace_region.h"
 #include "sansmesh/meshing/mesh_steps.h"
 
 namespace sansmesh::inline v1 {

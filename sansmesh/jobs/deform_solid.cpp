@@ -18,9 +18,9 @@
 #include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/measure/section.h"
-#include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/mesh/edit/deformed_mesh.h"
 #include "sansmesh/meshing/mesh_csg.h"
-#include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render/surface/surface_caster.h"
 #include "sansmesh/repair.h"
 #include "sansmesh/triangle_mesh.h"
 

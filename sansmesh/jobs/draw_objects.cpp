@@ -12,14 +12,14 @@
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/mesh/tubes.h"
+#include "sansmesh/mesh/edit/tubes.h"
 #include "sansmesh/pictures.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/spacing.h"
-#include "sansmesh/render/color_space.h"
-#include "sansmesh/render/color_words.h"
-#include "sansmesh/render/picture_notes.h"
-#include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/render/annotate/picture_notes.h"
+#include "sansmesh/render/scene/color_space.h"
+#include "sansmesh/render/scene/color_words.h"
+#include "sansmesh/render/surface/picture_surfaces.h"
 
 namespace sansmesh::inline v1 {
 namespace {

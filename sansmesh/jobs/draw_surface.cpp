@@ -12,7 +12,7 @@
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/points/sample_confidence.h"
-#include "sansmesh/render/surface_picture.h"
+#include "sansmesh/render/surface/surface_picture.h"
 #include "sansmesh/surface/curvature_words.h"
 
 namespace sansmesh::inline v1 {

@@ -13,7 +13,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/mesh/repair/sewn_mesh.h"
 #include "sansmesh/mesh/topology_words.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/points/cloud_shape.h"

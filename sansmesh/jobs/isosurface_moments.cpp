@@ -10,8 +10,8 @@
 #include "sansmesh/dataset/isosurface_in_time.h"
 #include "sansmesh/error.h"
 #include "sansmesh/isosurfaces.h"
+#include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/simplify.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/polygonize/space_time_surface.h"
 

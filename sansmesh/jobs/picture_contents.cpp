@@ -6,7 +6,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/model/surface_model.h"
-#include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render/surface/surface_caster.h"
 #include "sansmesh/surface_function.h"
 
 namespace sansmesh::inline v1 {

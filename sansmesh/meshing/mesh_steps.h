@@ -6,7 +6,7 @@
 #include <functional>
 #include <vector>
 
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"

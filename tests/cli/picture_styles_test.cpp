@@ -5,7 +5,7 @@
 
 #include "run_tool.h"
 #include "sansmesh/io.h"
-#include "sansmesh/render/lighting.h"
+#include "sansmesh/render/scene/lighting.h"
 #include "support/mesh_shapes.h"
 #include "support/png_file.h"
 #include "support/sanitizers.h"

@@ -8,7 +8,7 @@
 #include "sansmesh/function/diagnose_function.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function_edits.h"
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"

@@ -6,7 +6,7 @@
 #include "io/io_test_tools.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/reconstruct.h"

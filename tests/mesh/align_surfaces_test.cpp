@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/align_surfaces.h"
+#include "sansmesh/mesh/align/align_surfaces.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/components.h"
-#include "sansmesh/mesh/refine_edges.h"
+#include "sansmesh/mesh/edit/refine_edges.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/points/point_features.h"
 #include "support/any_threads.h"
