@@ -32,16 +32,16 @@ std::vector<IsosurfaceStep> checked_steps(std::vector<IsosurfaceStep> steps) {
   return steps;
 }
 
-Placement placement_of_first(const std::vector<IsosurfaceStep>& steps) {
+LocalFrame frame_of_first(const std::vector<IsosurfaceStep>& steps) {
   const Box3 box = steps[0].volume->bounds();
-  return placement_for(box.center(), box.diagonal());
+  return frame_for(box.center(), box.diagonal());
 }
 
 }  // namespace
 
 IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double value)
     : steps_(checked_steps(std::move(steps))),
-      place_(placement_of_first(steps_)),
+      place_(frame_of_first(steps_)),
       value_(value),
       domain_(*steps_[0].volume, place_) {
   if (!std::isfinite(value)) throw ArgumentError("`value` must be finite");
@@ -57,7 +57,7 @@ IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double val
     occurs = occurs || !places.empty();
     std::vector<Vec3> some;
     for (std::size_t i = 0; i < places.size(); i += 1 + places.size() / kSlopesOfStep)
-      some.push_back(place_.to_input(places[i]));
+      some.push_back(frame_.to_input(places[i]));
     std::vector<Vec3> gradients(some.size());
     step.field->evaluate(some, {{}, gradients});
     for (const Vec3& g : gradients)
@@ -75,7 +75,7 @@ IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double val
 
 IsosurfaceInTime::~IsosurfaceInTime() = default;
 
-double IsosurfaceInTime::median_spacing() const { return place_.from_input(steps_[0].volume->facts.median_spacing); }
+double IsosurfaceInTime::median_spacing() const { return frame_.from_input(steps_[0].volume->facts.median_spacing); }
 
 double IsosurfaceInTime::shortest_step() const {
   double least = std::numeric_limits<double>::infinity();
@@ -105,7 +105,7 @@ void IsosurfaceInTime::evaluate(std::span<const Vec3> x, std::span<const double>
     for (const auto& [step, share] : {std::pair{k, 1 - u}, std::pair{k + 1, u}}) {
       if (share == 0) continue;
       Wanted& w = wanted[step];
-      w.which.push_back(i), w.share.push_back(share), w.x.push_back(place_.to_input(x[i]));
+      w.which.push_back(i), w.share.push_back(share), w.x.push_back(frame_.to_input(x[i]));
     }
   }
   std::fill(values.begin(), values.end(), 0.0);

@@ -28,7 +28,7 @@ TriangleMesh whole_mesh(const FittedFunction& function, Progress& progress) {
   options.components.kind = ComponentChoice::Kind::all;
   options.carry_colors = false;
   options.mesher = Mesher::blocks;
-  options.mesh_error = kFinerMesh * function.place.to_input(default_mesh_error(function.field.report()));
+  options.mesh_error = kFinerMesh * function.frame.to_input(default_mesh_error(function.field.report()));
   TriangleMesh mesh = mesh_function(function, options, progress);
   if (function.field.data().options.sharp) {
     const PlacedField field(function.field, function.place);
@@ -44,7 +44,7 @@ struct FunctionDistance::Parts {
       : function(std::move(f)), field(function->field, function->place) {
     TriangleMesh mesh = whole_mesh(*function, progress);
     closed = measure_topology(mesh).closed();
-    const double spacing = function->place.to_input(function->field.report().spacing);
+    const double spacing = function->frame.to_input(function->field.report().spacing);
     distance = std::make_unique<MeshField>(
         std::move(mesh),
         MeshField::Options{

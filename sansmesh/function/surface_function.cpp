@@ -17,7 +17,7 @@ std::shared_ptr<const ScalarField> SurfaceFunction::field() const {
 
 Box3 SurfaceFunction::bounds() const {
   const Box3f box = sansmesh::bounds(*fitted_->samples);
-  return fitted_->place.to_input(box.empty() ? fitted_->field.bounds() : Box3{Vec3(box.lower), Vec3(box.upper)});
+  return fitted_->frame.to_input(box.empty() ? fitted_->field.bounds() : Box3{Vec3(box.lower), Vec3(box.upper)});
 }
 
 std::size_t SurfaceFunction::samples() const { return fitted_->samples->size(); }

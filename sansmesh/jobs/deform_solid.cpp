@@ -187,11 +187,11 @@ class SolidPoses {
     if (!exact) return with(surface_in_picture(mesh, options_.look.picture));
     const NearField near(field, mesh.origin);
     const SurfaceCaster caster(near, balls_of(mesh), {});
-    Placement place;
-    place.origin = mesh.origin;
+    LocalFrame frame;
+    frame.origin = mesh.origin;
     SurfaceRenderOptions look;
     look.picture = options_.look.picture;
-    return with(surface_in_picture(caster, place, nullptr, look));
+    return with(surface_in_picture(caster, frame, nullptr, look));
   }
 
   const SolidModel& solid_;

@@ -116,9 +116,9 @@ class ObjectScene {
     const SurfaceRenderOptions look = look_of(k, color, model.colors() != nullptr);
     const auto& samples = model.points().positions;
     for (const Vec3f& p : samples.empty() ? model.balls().centers : samples)
-      places.push_back(model.place().to_input(Vec3(p)));
+      places.push_back(model.frame().to_input(Vec3(p)));
     return {ObjectKind::function, look,
-            surface_in_picture(caster, model.place(), look.picture.look.use_colors ? model.colors() : nullptr, look),
+            surface_in_picture(caster, model.frame(), look.picture.look.use_colors ? model.colors() : nullptr, look),
             look.picture.look.surface_color};
   }
 

@@ -39,10 +39,10 @@ FittedFunction copy_of(const FittedFunction& f) {
 }
 
 double value_at(const FittedFunction& f, const Vec3& x) {
-  const Vec3 p = f.place.from_input(x);
+  const Vec3 p = f.frame.from_input(x);
   double v = 0;
   f.field.evaluate(std::span<const Vec3>(&p, 1), std::span<double>(&v, 1));
-  return f.place.to_input(v);
+  return f.frame.to_input(v);
 }
 
 /// Places within a spacing or so of the samples, all around them (input coordinates), in blocks that have a support:
@@ -60,7 +60,7 @@ std::vector<Vec3> near_surface(const FittedFunction& f, std::size_t n) {
       const Vec3f d = p - data.functions[i].center;
       const float half = 0.49f * data.edge / static_cast<float>(1 << data.supports[i].level);
       if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) > half) continue;
-      places.push_back(f.place.to_input(data.origin + Vec3(p)));
+      places.push_back(f.frame.to_input(data.origin + Vec3(p)));
       break;
     }
   }
@@ -137,7 +137,7 @@ TEST(FunctionEditor, Sheets) {
     editor.apply({select, RemoveSupports{}}, progress);
     bool big = false, small = false, strays = false;
     for (const Support& s : editor.function().field.data().supports) {
-      const Vec3 p = function.place.to_input(function.field.data().origin + Vec3(s.foot));
+      const Vec3 p = function.frame.to_input(function.field.data().origin + Vec3(s.foot));
       big |= norm(p) < 1.4, small |= norm(p - Vec3{2, 0, 0}) < 0.6, strays |= norm(p - Vec3{0, 3, 0}) < 0.7;
     }
     return std::string(big ? "big " : "") + (small ? "small " : "") + (strays ? "strays " : "");
@@ -175,7 +175,7 @@ TEST(FunctionEditor, NothingChangesOutsideOfWhatItSays) {
     const double size = before.field.bounds().diagonal();
     const std::vector<Vec3> places = near_surface(before, 6000);
     std::vector<Vec3> inner;
-    for (const Vec3& p : places) inner.push_back(before.place.from_input(p));
+    for (const Vec3& p : places) inner.push_back(before.frame.from_input(p));
     std::vector<double> old(places.size()), now(places.size());
     before.field.evaluate(inner, old);
     Progress progress;

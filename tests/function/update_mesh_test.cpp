@@ -232,7 +232,7 @@ TEST(UpdateMesh, ManyEditsOneMesh) {
   std::size_t local = 0, rounds = 30;
   for (std::size_t round = 0; round < rounds; ++round) {
     const auto& samples = function.samples->positions;
-    const Vec3 at = function.place.to_input(function.field.data().origin + Vec3(samples[random() % samples.size()]));
+    const Vec3 at = function.frame.to_input(function.field.data().origin + Vec3(samples[random() % samples.size()]));
     const std::vector<Action> all = local_actions();
     const double radius = 0.03 + 0.02 * static_cast<double>(random() % 4);
     Action action = all[random() % all.size()];

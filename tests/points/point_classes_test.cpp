@@ -122,7 +122,7 @@ TEST(PointClasses, ArePartOfTheUseOfClouds) {
   }
   mixed.attributes.set("classification", classes);
   Progress progress;
-  CloudUse ground;
+  CloudPreparation ground;
   ground.classes = parse_point_classes("ground");
   const PreparedCloud wanted = prepare_cloud(cloud, {}, progress), chosen = prepare_cloud(mixed, ground, progress);
   EXPECT_EQ(chosen.points.positions, wanted.points.positions);

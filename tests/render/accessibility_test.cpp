@@ -30,7 +30,7 @@ RenderOptions open_light(double reach, double bend = 0) {
   options.look.ground = false;
   options.look.background = Background::transparent();
   options.look.accessibility = reach;
-  options.look.bend_light = bend;
+  options.look.curvature_shading = bend;
   return options;
 }
 

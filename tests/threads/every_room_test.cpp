@@ -137,7 +137,7 @@ TEST(EveryRoom, PointsArePrepared) {
     Progress progress;
     Findings found;
     found << find_duplicates(cloud) << find_outliers(cloud, {}, progress) << static_cast<double>(count_unique(cloud));
-    CloudUse use;
+    CloudPreparation use;
     use.remove_outliers = true;
     PreparedCloud ready = prepare_cloud(std::move(cloud), use, progress);
     found << ready.points;

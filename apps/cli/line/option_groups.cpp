@@ -60,7 +60,7 @@ void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
   add_wireframe_options(c, o.picture.options);
 }
 
-void add_cloud_options(CommandLine& c, CloudUse& o) {
+void add_cloud_options(CommandLine& c, CloudPreparation& o) {
   add_schema(c, o, {.only = {"faces", "normals", "orient_by", "align"}});
 }
 

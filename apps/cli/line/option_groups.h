@@ -44,7 +44,7 @@ struct MeshOutput {
 void add_mesh_output(CommandLine& command, MeshOutput& output, bool required = true);
 /// What is done to the samples before a fit: --faces, --normals, --orient-by, --align. (--remove-outliers belongs to
 /// the group Surface.)
-void add_cloud_options(CommandLine& command, CloudUse& use);
+void add_cloud_options(CommandLine& command, CloudPreparation& use);
 /// --fit, --depth, --error, --threshold, --coverage, --support, --degree, --smooth
 void add_fit_options(CommandLine& command, FitOptions& options);
 /// --components, --trim, --quality, --mesh-error, --triangles, …

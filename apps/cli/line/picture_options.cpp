@@ -48,7 +48,7 @@ void add_line_options(CommandLine& c, PictureArguments& a) {
 }
 
 void add_accessibility_options(CommandLine& c, PictureArguments& a) {
-  add_schema(c, a.options, {.group = "Picture", .only = {"accessibility", "bend_light"}});
+  add_schema(c, a.options, {.group = "Picture", .only = {"accessibility", "curvature_shading"}});
 }
 
 void add_preview_option(CommandLine& c, std::string& file, const std::string& what) {

@@ -38,7 +38,7 @@ std::string users_of(std::string_view option) {
 
 }  // namespace
 
-void add_surface_details(CommandLine& c, SurfaceOptions& options, CloudUse& cloud) {
+void add_surface_details(CommandLine& c, SurfaceOptions& options, CloudPreparation& cloud) {
   std::vector<std::string_view> without{"method"};
   // reconstruct has them for the partition as well.
   if (c.has("--depth")) without.insert(without.end(), {"error", "depth", "smooth"});
@@ -60,12 +60,12 @@ void add_surface_name(CommandLine& c, Name& name, const std::string& what, const
 
 }  // namespace
 
-void add_surface(CommandLine& c, SurfaceOptions& surface, CloudUse& cloud, const std::string& what) {
+void add_surface(CommandLine& c, SurfaceOptions& surface, CloudPreparation& cloud, const std::string& what) {
   add_surface_name(c, surface.method, what, " [" + surface.method + "]");
   add_surface_details(c, surface, cloud);
 }
 
-void add_surface(CommandLine& c, SurfaceArguments& a, CloudUse& cloud, const std::string& what) {
+void add_surface(CommandLine& c, SurfaceArguments& a, CloudPreparation& cloud, const std::string& what) {
   add_surface_name(c, a.method, what, "");
   add_surface_details(c, a.options, cloud);
 }

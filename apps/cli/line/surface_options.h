@@ -20,11 +20,11 @@ struct SurfaceArguments {
 };
 
 /// --surface, and all of its options, of a command that has a surface without it.
-void add_surface(CommandLine& command, SurfaceOptions& surface, CloudUse& cloud, const std::string& what);
+void add_surface(CommandLine& command, SurfaceOptions& surface, CloudPreparation& cloud, const std::string& what);
 /// --sharp, --smoothing, --bandwidth, …, --remove-outliers
-void add_surface_details(CommandLine& command, SurfaceOptions& options, CloudUse& cloud);
+void add_surface_details(CommandLine& command, SurfaceOptions& options, CloudPreparation& cloud);
 /// --surface, and these. `what` says what is done with it.
-void add_surface(CommandLine& command, SurfaceArguments& arguments, CloudUse& cloud, const std::string& what);
+void add_surface(CommandLine& command, SurfaceArguments& arguments, CloudPreparation& cloud, const std::string& what);
 /// All surfaces with what they are, a line each, as part of a footer.
 std::string surface_list();
 

@@ -10,8 +10,8 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/align/align_fit.h"
-#include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/point_features.h"
+#include "sansmesh/points/principal_axes.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {

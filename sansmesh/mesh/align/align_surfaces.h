@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/local_frame.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/option.h"
-#include "sansmesh/placement.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/vec.h"

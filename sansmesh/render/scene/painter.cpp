@@ -287,7 +287,7 @@ class Painter::Work {
   /// More light where the surface is bent outwards, less where inwards, by the first ray of each pixel that hits.
   void find_access(Batch& batch) const {
     batch.access.assign(batch.pixels.size(), 1);
-    if (options_.look.curvature == nullptr || options_.look.bend_light == 0) return;
+    if (options_.look.curvature == nullptr || options_.look.curvature_shading == 0) return;
     const EyeRays eye = batch.eye.rays();
     const std::size_t each = batch.points.size() / batch.pixels.size();
     std::vector<Vec3> places;
@@ -305,7 +305,8 @@ class Painter::Work {
     if (!places.empty()) options_.look.curvature->evaluate(places, normals, bends);
     const auto radius = static_cast<float>(*options_.look.accessibility * frame_.size);
     for (std::size_t k = 0; k < whose.size(); ++k)
-      batch.access[whose[k]] = bend_factor(bends[k].mean() * radius, static_cast<float>(options_.look.bend_light));
+      batch.access[whose[k]] =
+          bend_factor(bends[k].mean() * radius, static_cast<float>(options_.look.curvature_shading));
   }
 
   template <class Blocked>

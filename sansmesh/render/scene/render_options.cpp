@@ -100,10 +100,11 @@ const OptionSchema& PictureLook::schema() {
                                  .unit = "reach",
                                  .range = {1e-6, 10},
                                  .implied = "0.3"}),
-      option<&O::bend_light>({.text = "Share of that light that curvature gives and takes",
-                              .unit = "share",
-                              .range = {0, 1},
-                              .needs = "accessibility"}),
+      option<&O::curvature_shading>({.text = "Share of that light that curvature gives and takes",
+                                     .unit = "share",
+                                     .range = {0, 1},
+                                     .needs = "accessibility",
+                                     .old_name = "bend_light"}),
       option<&O::smooth>({.text = "Show the flat triangles: normals are not interpolated", .negative = "flat"}),
       option<&O::shadows>({.text = "No shadows"}),
       option<&O::point_radius>(
@@ -166,11 +167,11 @@ void RenderOptions::validate() const {
   check_range("occlusion_rays", quality.occlusion_rays, 0, 64);
 }
 
-void move_from_input(RenderOptions& options, const Placement& place) {
-  if (options.view.look_at) options.view.look_at = place.from_input(*options.view.look_at);
-  if (options.view.look_radius) options.view.look_radius = place.from_input(*options.view.look_radius);
-  options.annotation.input_length *= place.unit;
-  if (options.view.clip_box) options.view.clip_box = place.from_input(*options.view.clip_box);
+void move_from_input(RenderOptions& options, const LocalFrame& frame) {
+  if (options.view.look_at) options.view.look_at = frame.from_input(*options.view.look_at);
+  if (options.view.look_radius) options.view.look_radius = frame.from_input(*options.view.look_radius);
+  options.annotation.input_length *= frame.unit;
+  if (options.view.clip_box) options.view.clip_box = frame.from_input(*options.view.clip_box);
 }
 
 const OptionSchema& SurfaceRenderOptions::schema() {

@@ -210,13 +210,13 @@ PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions&
   };
 }
 
-PictureSurface surface_in_picture(const SurfaceCaster& caster, const Placement& place, const ColorField* colors,
+PictureSurface surface_in_picture(const SurfaceCaster& caster, const LocalFrame& local, const ColorField* colors,
                                   const SurfaceRenderOptions& options) {
   options.validate();
   SurfaceRenderOptions own = options;
   own.picture.look.shadows = false;
-  return [&caster, place, colors, own](const PictureFrame& frame, const Camera& camera) {
-    const PictureFrame placed{place.from_input(frame.center), place.from_input(frame.size)};
+  return [&caster, local, colors, own](const PictureFrame& frame, const Camera& camera) {
+    const PictureFrame placed{local.from_input(frame.center), local.from_input(frame.size)};
     return std::make_unique<PlacedScene>(caster, placed, camera, colors, own);
   };
 }

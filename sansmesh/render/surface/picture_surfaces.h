@@ -9,7 +9,7 @@
 
 #include "sansmesh/field/color_field.h"
 #include "sansmesh/image.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render/scene/flow_texture.h"
 #include "sansmesh/render/scene/picture_scene.h"
@@ -21,7 +21,7 @@ namespace sansmesh::inline v1 {
 
 /// A surface without a mesh, whose coordinates lie at `place` in those of the picture. Caster and colours (which may be
 /// null) must outlive the pictures.
-PictureSurface surface_in_picture(const SurfaceCaster& caster, const Placement& place, const ColorField* colors,
+PictureSurface surface_in_picture(const SurfaceCaster& caster, const LocalFrame& frame, const ColorField* colors,
                                   const SurfaceRenderOptions& options);
 
 /// How a surface with a flow along it looks.

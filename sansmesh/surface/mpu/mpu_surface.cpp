@@ -20,7 +20,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kFewest = 9;
+constexpr std::size_t kFewestSamples = 9;
 constexpr int kDeepestLeaf = 14;
 /// Balls are looked up in single precision: share of the cube by which they and cells are widened for that.
 constexpr double kRounding = 1e-6;
@@ -49,9 +49,9 @@ OrderedSamples ordered_samples(const PointSet& points) {
     given.normals.push_back(normalized(n));
   }
   const std::size_t count = given.positions.size();
-  if (count < kFewest)
+  if (count < kFewestSamples)
     throw DataError("only " + std::to_string(count) + " samples have a position and a normal: at least " +
-                    std::to_string(kFewest) + " are needed");
+                    std::to_string(kFewestSamples) + " are needed");
   // The tree breaks ties, as between samples of a face of a box, by their numbers.
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);

@@ -1,4 +1,4 @@
-#include "sansmesh/points/local_frame.h"
+#include "sansmesh/points/principal_axes.h"
 
 #include <algorithm>
 #include <cmath>

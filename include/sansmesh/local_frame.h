@@ -16,10 +16,10 @@ struct TriangleMesh;
 /// within float, whatever the unit of the input and however far away its origin. Position in the input = origin +
 /// unit · own position. Lengths, values of a distance and boxes change accordingly, directions not at all.
 ///
-/// A unit that is a power of two, as `placement_for` chooses it, rounds nothing: what is rounded is the sum or the
+/// A unit that is a power of two, as `frame_for` chooses it, rounds nothing: what is rounded is the sum or the
 /// difference with the origin, once, to double. Own positions of some size s thus come back to within the resolution
 /// of double at |origin| + unit · s: 10⁻¹⁰ at coordinates of 10⁶.
-struct Placement {
+struct LocalFrame {
   Vec3 origin;      ///< of the own coordinates, in the input
   double unit = 1;  ///< length in the input of 1 in the own coordinates, > 0
 
@@ -47,21 +47,21 @@ struct Placement {
   double from_input(double length) const { return length / unit; }
 
   /// Whether origin and unit are equal.
-  friend bool operator==(const Placement&, const Placement&) = default;
+  friend bool operator==(const LocalFrame&, const LocalFrame&) = default;
 };
 
 /// The placement with that origin. The unit is the least power of two that is not smaller than `extent`, the size of
 /// what is placed; 1 if that is 0.
-SANSMESH_API Placement placement_for(const Vec3& origin, double extent);
+SANSMESH_API LocalFrame frame_for(const Vec3& origin, double extent);
 
 /// Brings a whole cloud (positions of scanners included) from the input to own coordinates; its origin becomes 0.
-SANSMESH_API void move_from_input(PointSet& points, const Placement& place);
+SANSMESH_API void move_from_input(PointSet& points, const LocalFrame& frame);
 /// The same of a mesh.
-SANSMESH_API void move_from_input(TriangleMesh& mesh, const Placement& place);
+SANSMESH_API void move_from_input(TriangleMesh& mesh, const LocalFrame& frame);
 /// Brings a whole cloud from own coordinates to the input; its origin becomes that of `place`.
-SANSMESH_API void move_to_input(PointSet& points, const Placement& place);
+SANSMESH_API void move_to_input(PointSet& points, const LocalFrame& frame);
 /// The same of a mesh.
-SANSMESH_API void move_to_input(TriangleMesh& mesh, const Placement& place);
+SANSMESH_API void move_to_input(TriangleMesh& mesh, const LocalFrame& frame);
 
 struct PointSet;
 struct TriangleMesh;
