@@ -41,15 +41,15 @@ LocalFrame frame_of_first(const std::vector<IsosurfaceStep>& steps) {
 
 IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double value)
     : steps_(checked_steps(std::move(steps))),
-      place_(frame_of_first(steps_)),
+      frame_(frame_of_first(steps_)),
       value_(value),
-      domain_(*steps_[0].volume, place_) {
+      domain_(*steps_[0].volume, frame_) {
   if (!std::isfinite(value)) throw ArgumentError("`value` must be finite");
   std::vector<double> slopes;
   ValueRange all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   bool occurs = false;
   for (const IsosurfaceStep& step : steps_) {
-    ranges_.push_back(std::make_unique<const ValueRanges>(*step.volume, step.sample_value, place_));
+    ranges_.push_back(std::make_unique<const ValueRanges>(*step.volume, step.sample_value, frame_));
     const ValueRange around = ranges_.back()->around({}, 2);
     const double beyond = ValueRanges::kBeyond * (around.most - around.least) / (1 + 2 * ValueRanges::kBeyond);
     all = {std::min(all.least, around.least + beyond), std::max(all.most, around.most - beyond)};
@@ -70,7 +70,7 @@ IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double val
   if (slopes.empty()) return;
   const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
   std::nth_element(slopes.begin(), middle, slopes.end());
-  slope_ = *middle * place_.unit;
+  slope_ = *middle * frame_.unit;
 }
 
 IsosurfaceInTime::~IsosurfaceInTime() = default;

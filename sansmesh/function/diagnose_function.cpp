@@ -264,7 +264,7 @@ std::optional<TriangleMesh> mended(const FittedFunction& function, const Diagnos
     FunctionEditor editor(function);
     for (const Edit& edit : diagnosis.edits()) editor.apply(edit, progress);
     TriangleMesh mesh = mesh_function(editor.function(), meshing, progress);
-    move_from_input(mesh, function.place);
+    move_from_input(mesh, function.frame);
     return mesh;
   } catch (const DataError&) {
     return std::nullopt;
@@ -411,7 +411,7 @@ Diagnosis diagnose_function(const FittedFunction& function, const DiagnoseOption
   const KdTree feet(foot);
   std::vector<std::uint8_t> extra(diagnosis.mesh.vertices.size(), 0);
   TriangleMesh mesh = diagnosis.mesh;
-  move_from_input(mesh, function.place);
+  move_from_input(mesh, function.frame);
   find_extra_sheets(function, mesh, feet, diagnosis, extra);
   for (const Suspicion kind : {Suspicion::low_coverage, Suspicion::high_error, Suspicion::steep})
     gather_places(function, kind, of(kind), diagnosis);

@@ -12,7 +12,7 @@ SurfaceFunction::SurfaceFunction(FittedFunction fitted)
     : fitted_(std::make_shared<const FittedFunction>(std::move(fitted))) {}
 
 std::shared_ptr<const ScalarField> SurfaceFunction::field() const {
-  return std::make_shared<const PlacedField>(fitted_, fitted_->field, fitted_->place);
+  return std::make_shared<const PlacedField>(fitted_, fitted_->field, fitted_->frame);
 }
 
 Box3 SurfaceFunction::bounds() const {

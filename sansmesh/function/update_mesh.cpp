@@ -217,7 +217,7 @@ bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::sp
   }
   // In the coordinates of the field.
   TriangleMesh moved = mesh;
-  move_from_input(moved, function.place);
+  move_from_input(moved, function.frame);
   std::vector<Box3> changes;
   for (const Box3& c : changed) changes.push_back(function.frame.from_input(c));
   for (const Vec3& p : match.off) changes.push_back(function.frame.from_input(widened(Box3{p, p}, match.near)));
@@ -229,7 +229,7 @@ bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::sp
   }
   MeshReport report;
   detail::choose_components(moved, options.components, *function.samples, function.field.report().spacing, report);
-  move_to_input(moved, function.place);
+  move_to_input(moved, function.frame);
   mesh = std::move(moved);
   return true;
 }

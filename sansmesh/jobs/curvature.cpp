@@ -62,11 +62,11 @@ CurvedInput curvatures_of(PointSet given, CurvatureOptions options, Progress& pr
   made.noise = cloud.frame.to_input(*options.noise);
   made.curvatures = is_mesh ? estimate_vertex_curvatures(cloud.points, options, progress)
                             : estimate_curvatures(cloud.points, options, progress);
-  const auto unit = static_cast<float>(cloud.place.unit);
+  const auto unit = static_cast<float>(cloud.frame.unit);
   for (PrincipalCurvatures& c : made.curvatures) c.k1 /= unit, c.k2 /= unit, c.offset *= unit;
   if (!is_mesh) {
     made.points = std::move(cloud.points);
-    move_to_input(made.points, cloud.place);
+    move_to_input(made.points, cloud.frame);
     return made;
   }
   const std::vector<PrincipalCurvatures> found = std::exchange(made.curvatures, {});

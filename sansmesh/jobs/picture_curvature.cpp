@@ -65,7 +65,7 @@ std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudP
   own.faces = FaceUse::vertices;
   PreparedCloud cloud = prepare_cloud(mesh, own, progress);
   progress.begin("curvature");
-  CurvedVertices made{std::move(cloud.points), cloud.place, {}};
+  CurvedVertices made{std::move(cloud.points), cloud.frame, {}};
   made.curvatures = estimate_vertex_curvatures(made.points, {}, progress);
   return made;
 }
@@ -75,12 +75,12 @@ std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, con
   if (points.size() < kFewestSamples) return nullptr;
   try {
     if (const auto mesh = curved_vertices(points, use, progress))
-      return std::make_unique<SampleCurvature>(mesh->points, mesh->curvatures, mesh->place);
+      return std::make_unique<SampleCurvature>(mesh->points, mesh->curvatures, mesh->frame);
     const PreparedCloud cloud = prepare_cloud(points, use, progress);
     progress.begin("curvature");
     CurvatureOptions options;
     options.noise = cloud.noise;
-    return std::make_unique<SampleCurvature>(cloud.points, cloud.place, options, progress);
+    return std::make_unique<SampleCurvature>(cloud.points, cloud.frame, options, progress);
   } catch (const DataError&) {
     return nullptr;  // points that make no surface have silhouettes all the same
   }

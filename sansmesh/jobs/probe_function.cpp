@@ -43,7 +43,7 @@ ProbeFunctionResult probe_function(const SurfaceFunction& probed, std::span<cons
   level_set_points(function.field, x, kLevelSetStep * function.field.report().spacing, values);
   result.values.reserve(n);
   for (std::size_t i = 0; i < n; ++i) result.values.push_back({values[i], places[i]});
-  const double unit = function.place.unit;
+  const double unit = function.frame.unit;
   ProbeFunctionReport& r = result.report;
   r.points = n;
   std::vector<double> size(n);
