@@ -46,10 +46,7 @@ Registry<CommandEntry>& CommandEntry::registry() {
 std::vector<Command> add_commands(CommandLine& line, CommonArguments& common) {
   line.footer(kExamples);
   add_common(line, common);
-  std::vector<Command> commands;
-  for (const auto add : own_commands()) commands.push_back(add(line));
-  for (Command& command : add_volume(line)) commands.push_back(std::move(command));
-  for (Command& command : add_flow(line)) commands.push_back(std::move(command));
+  std::vector<Command> commands = own_commands(line);
   for (const CommandEntry* const entry : CommandEntry::registry().all()) commands.push_back(entry->add(line));
   for (const auto add : {add_help, add_completion, add_manual, add_schema_command}) commands.push_back(add(line));
   for (const Command& command : commands) name_flags(*command.line);
