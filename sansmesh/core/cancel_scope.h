@@ -1,20 +1,20 @@
-// Cancellation of work that is handed no Progress: loops, readers of files, waits.
+// Cancellation of work that receives no Progress: loops, file readers, waits.
 #pragma once
 
 #include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {
 
-/// Throws Cancelled after cancel() of the Progress whose scope the calling thread is in.
+/// Throws Cancelled after cancel() of the Progress whose CancelScope encloses the call.
 void check_cancelled();
 
 namespace detail {
 
-/// What the calling thread listens to; null: nothing.
+/// Progress that the calling thread observes; null if there is none.
 const Progress* heard_progress();
 
-/// A thread of a loop listens to what the loop's caller does, as long as this lives. Throws Cancelled if it is
-/// cancelled already.
+/// Makes a worker thread observe the Progress of the loop's caller while this object lives. Throws Cancelled if it is
+/// already cancelled.
 class ListenAs {
  public:
   explicit ListenAs(const Progress* progress);

@@ -1,4 +1,4 @@
-// The value in the middle.
+// Median of a list.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// The upper median of the values, which it puts into another order; 0 of none.
+/// Upper median of the values, which are reordered; 0 for an empty list.
 template <class T>
 T median(std::vector<T>& values) {
   if (values.empty()) return 0;

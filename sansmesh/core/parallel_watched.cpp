@@ -1,8 +1,7 @@
-// The loops of parallel.h in builds with the thread sanitizer, on threads of the standard library. oneTBB is not built
-// with the sanitizer, which would take what it does not see for races; and to silence whatever has oneTBB on its stack
-// would silence every race of our own. Here it sees all, and is shown as much as can be: every thread has chunks of its
-// own, whichever comes first, so that neighbours are always on different threads, and nothing but its start and its end
-// orders what two threads do.
+// Parallel loops in builds with the thread sanitizer, on threads of the standard library. oneTBB is not built with the
+// sanitizer, which would report its synchronisation as races; suppressing all stacks with oneTBB frames would suppress
+// every race of the library. Here the sanitizer sees everything. To expose races, neighbouring chunks always run on
+// different threads, and only the start and the end of a thread order its work.
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/parallel_backend.h"
 #if SANSMESH_WATCHED_THREADS
@@ -22,14 +21,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Without a scope: more than there are cores, perhaps, for the sake of what can be seen.
+/// Threads without a scope; may exceed the number of cores, so that races show.
 constexpr int kThreads = 4;
-/// Loops in loops in loops run as plain ones: threads would come to be without number.
+/// Deeper nested loops run sequentially, which bounds the number of threads.
 constexpr int kDeepest = 2;
 
 struct Place {
   int threads = kThreads;
-  int depth = 0;  // of loops around
+  int depth = 0;  // number of enclosing loops
 };
 thread_local Place place;
 

@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Corners of a lattice, or all points that are finite.
+/// Bounding box of a lattice, or of all finite points.
 Box3 box_of(const GridBlock& block) {
   Box3 box;
   for (const Vec3& p : block.points)
