@@ -70,7 +70,7 @@ struct OptionFacts {
   std::string_view excludes = {};                  ///< an option that conflicts with this one
   std::span<const std::string_view> usual_words = {};  ///< suggested values of a text
   std::span<const std::string_view> endings = {};      ///< file suffixes with dots; none: all readable formats
-  std::string_view old_name = {};                      ///< former name, still accepted with a warning
+  std::string_view old_name = {};                      ///< former name (warned of); for a default-on flag, its negative
 };
 
 /// One field of an options struct: its description, its type, and functions that read and write it. Made by option(),

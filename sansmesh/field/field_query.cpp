@@ -20,7 +20,7 @@ void check_sizes(const Places& at, const Answers<Value, Gradient>& wanted) {
     throw ArgumentError("the moments are not as many as the places");
 }
 
-/// The answers, or room for them where they are not wanted but have to be made.
+/// Span of the requested results, or of a buffer if they are only needed internally.
 template <class T>
 std::span<T> or_room(std::span<T> wanted, std::size_t count, std::vector<T>& room) {
   if (!wanted.empty()) return wanted;

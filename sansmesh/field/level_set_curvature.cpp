@@ -9,7 +9,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Points whose neighbours are evaluated in one batch: seven evaluations per point.
+/// Points per batch; each needs seven evaluations.
 constexpr std::size_t kBatch = 1 << 17;
 
 void principal_curvatures(const Vec3 (&hessian)[3], LevelSetPoint& p) {

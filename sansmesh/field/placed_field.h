@@ -1,4 +1,4 @@
-// A field in other coordinates.
+// Field in other coordinates.
 #pragma once
 
 #include <memory>
@@ -9,12 +9,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// A field of its own coordinates seen from the input's: its values are lengths and grow with the unit.
+/// Field given in local coordinates, evaluated in input coordinates: values are lengths and scale with the unit.
 class PlacedField : public ScalarField {
  public:
-  /// The field must outlive it.
+  /// The field must outlive this object.
   PlacedField(const ScalarField& field, const Placement& place) : PlacedField(nullptr, field, place) {}
-  /// Keeps `owner`, which the field is part of.
+  /// Keeps `owner`, which owns the field.
   PlacedField(std::shared_ptr<const void> owner, const ScalarField& field, const Placement& place)
       : owner_(std::move(owner)), field_(field), place_(similarity_of(place)) {}
 
@@ -37,7 +37,7 @@ class PlacedField : public ScalarField {
   }
 
  private:
-  std::shared_ptr<const void> owner_;  ///< null: somebody else keeps the field
+  std::shared_ptr<const void> owner_;  ///< null if the field is owned elsewhere
   const ScalarField& field_;
   Similarity place_;
 };

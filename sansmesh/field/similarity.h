@@ -1,4 +1,4 @@
-// Moving, turning, mirroring, scaling: a field as it is elsewhere.
+// Similarity transformation of a field: rotation, reflection, scaling, translation.
 #pragma once
 
 #include <array>
@@ -25,14 +25,14 @@ struct Similarity {
 
   Vec3 back(const Vec3& x) const { return turn_back(x - translation) * (1 / scale); }
 
-  /// Places where a field that was moved so is asked, in the coordinates that it had before.
+  /// Coordinates before the transformation, for evaluating the original field.
   std::vector<Vec3> back(std::span<const Vec3> x) const {
     std::vector<Vec3> y(x.size());
     const double inverse = 1 / scale;
     for (std::size_t i = 0; i < x.size(); ++i) y[i] = turn_back(x[i] - translation) * inverse;
     return y;
   }
-  /// What it says there, as values and gradients of the moved one: distances stay distances.
+  /// Converts values and gradients of the original field to those of the transformed one; distances stay distances.
   void carry(std::span<double> values, std::span<Vec3> gradients) const {
     if (scale != 1)
       for (double& v : values) v *= scale;
@@ -40,7 +40,7 @@ struct Similarity {
       for (Vec3& g : gradients) g = turn(g);
   }
 
-  /// First `inner`, then `outer`.
+  /// Composition: first `inner`, then `outer`.
   friend Similarity operator*(const Similarity& outer, const Similarity& inner) {
     Similarity s;
     for (std::size_t k = 0; k < 3; ++k) s.columns[k] = outer.turn(inner.columns[k]);
@@ -51,7 +51,7 @@ struct Similarity {
   }
 };
 
-/// From own coordinates to those of the input.
+/// Transformation from local to input coordinates.
 inline Similarity similarity_of(const Placement& place) {
   Similarity s;
   s.scale = place.unit;

@@ -46,8 +46,7 @@ HWY_INLINE std::size_t SortHits(std::uint32_t hits, const float* distances, std:
   return n;
 }
 
-constexpr std::size_t kManyNeighbours =
-    48;  ///< from here on, a binary search and a block move are faster than insertion by steps
+constexpr std::size_t kManyNeighbours = 48;  ///< from here on, a search and a block move are fastest
 
 HWY_INLINE float DistanceOf(std::uint64_t key) { return std::bit_cast<float>(static_cast<std::uint32_t>(key >> 32)); }
 
