@@ -97,8 +97,8 @@ void InverseMap::map(std::span<const Vec3> x, const MapAnswers& wanted) const {
     for (std::size_t i = 0; i < x.size(); ++i)
       if (!is_finite(starts[i])) starts[i] = x[i];
   }
-  const InverseAnswers found =
-      inverse_map(*map_, x, starts, {tolerance_});  // fixed tolerance: the default would depend on the batch
+  // A fixed tolerance: the default would depend on the batch.
+  const InverseAnswers found = inverse_map(*map_, x, starts, {tolerance_});
   std::vector<Vec3> positions(x.size());
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < x.size(); ++i)

@@ -7,7 +7,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// In the order of the enumerators.
+/// Words in the order of the enumerators.
 inline constexpr std::string_view kOrientByWords[] = {"auto", "scanner", "rows", "flight", "up", "propagation"};
 
 constexpr std::string_view orient_by_word(OrientBy by) { return kOrientByWords[static_cast<std::size_t>(by)]; }

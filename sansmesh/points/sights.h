@@ -1,4 +1,4 @@
-// From where samples were seen: what a file knows that tells the side of a surface.
+// Directions from samples to the sensor, which determine the side of a surface.
 #pragma once
 
 #include <array>
@@ -10,18 +10,17 @@
 
 namespace sansmesh::inline v1 {
 
-/// Those that say of each sample from where it was seen, in this order.
+/// Sources with a direction per sample, in order of reliability.
 inline constexpr std::array kOrientationOrder{OrientBy::scanner, OrientBy::rows, OrientBy::flight, OrientBy::up};
 
-/// For each sample the unit direction to where it was seen from, or zero where that is not known. Empty where nothing
-/// of the kind is known, as of `automatic` and `propagation`. `up` is z, whatever the cloud is like.
+/// Unit direction from each sample to the sensor, zero if unknown. Empty if the cloud has no such data, and for
+/// `automatic` and `propagation`. `up` is +z for any cloud.
 std::vector<Vec3f> find_sights(const PointSet& points, OrientBy by);
 
-/// The same as far as the cloud itself says so: `up` only where it is a height field, seen from above. `noise` (length)
-/// as in `measure_height_field`.
+/// Same, but `up` only if the cloud is a height field. `noise` (length) as in `measure_height_field`.
 std::vector<Vec3f> find_own_sights(const PointSet& points, OrientBy by, double noise);
 
-/// The first in the order of trust of which something is known.
+/// First source, in order of reliability, with known directions.
 OrientBy first_known_orientation(const PointSet& points, double noise);
 
 }  // namespace sansmesh::inline v1
