@@ -1,4 +1,4 @@
-// The edges of a mesh, its vertices told apart by where they are.
+// Edges of a mesh whose vertices are identified by position.
 #pragma once
 
 #include <cstddef>
@@ -9,17 +9,17 @@
 
 namespace sansmesh::inline v1 {
 
-/// Files often repeat a vertex where colours or normals jump, or for every triangle. Such seams are no borders: here
-/// vertices at the same place are one, known by the first of them.
+/// Files often repeat a vertex where colours or normals jump, or for every triangle. Such seams are not borders:
+/// coincident vertices count as one here, represented by the first of them.
 struct PlaceEdges {
   struct Edge {
-    std::uint32_t a = 0, b = 0;          ///< places, a < b
+    std::uint32_t a = 0, b = 0;          ///< representatives, a < b
     std::uint32_t first = 0, count = 0;  ///< corners[first .. first + count]
   };
-  std::vector<std::uint32_t> place;  ///< of each vertex: the first one there
+  std::vector<std::uint32_t> place;  ///< representative of each vertex: the first one at its position
   std::vector<Edge> edges;           ///< ordered by a, then b
-  /// Corners 3·triangle + k whose edge runs to the next corner of the triangle, edge after edge, each in ascending
-  /// order. Triangles have none with a corner that is repeated, is not finite or does not exist.
+  /// Corners 3·triangle + k whose edge leads to the next corner of the triangle, grouped by edge, in ascending order.
+  /// Skips triangles with a corner that is repeated, not finite or nonexistent.
   std::vector<std::uint32_t> corners;
 
   /// Whether a corner's edge runs from a to b.
@@ -28,17 +28,16 @@ struct PlaceEdges {
   }
 };
 
-/// Time and memory linear in the size of the mesh, but for sorting. Throws DataError for more triangles than can be
-/// counted (kMostTriangles).
+/// Linear time and memory, apart from sorting. Throws DataError for more triangles than kMostTriangles.
 PlaceEdges edges_by_place(const TriangleMesh& mesh);
 
 struct JoinedPlaces {
-  std::size_t joined = 0;  ///< vertices that are gone
-  std::size_t seams = 0;   ///< vertices that stay beside another one at their place: colours or attributes differ
+  std::size_t joined = 0;  ///< removed vertices
+  std::size_t seams = 0;   ///< vertices kept beside a coincident one: colours or attributes differ
 };
 
-/// Makes one vertex of those at the same place that have the same colours and attributes; their normals are averaged.
-/// Triangles keep their number and order.
+/// Merges coincident vertices with equal colours and attributes; averages their normals. Keeps the number and order of
+/// triangles.
 JoinedPlaces join_places(TriangleMesh& mesh);
 
 /// Whether all corners of a triangle exist and are finite.

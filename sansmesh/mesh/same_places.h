@@ -1,4 +1,4 @@
-// Vertices at the same place as one.
+// Identifies coincident vertices.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Of each position the index of the first equal one (−0 equals 0; what is not finite equals nothing else).
+/// Index of the first equal position for each position (−0 equals 0; non-finite positions equal only themselves).
 std::vector<std::uint32_t> first_at_place(std::span<const Vec3f> positions);
 
 }  // namespace sansmesh::inline v1

@@ -20,47 +20,47 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Scans of fewer samples stay where they are; and the system of equations is solved as a whole.
+/// Least number of samples of a movable scan, and largest number of movable scans (the system is solved densely).
 constexpr std::size_t kFewestOfScan = 100, kMostMovableScans = 300;
-/// Neighbours that a quadric goes through, and as many more for each spacing of noise, up to a limit.
+/// Neighbours that define a quadric, additional ones per spacing of noise, and their largest number.
 constexpr std::size_t kOfQuadric = 24, kMostOfQuadric = 128;
 constexpr double kMorePerNoise = 110;
-/// Distances that count, in spacings: at first, and at last unless noise wants more (in standard deviations).
+/// Width of the Tukey weights: first and last in spacings, and least in standard deviations of the noise.
 constexpr double kWidestReach = 8, kNarrowestReach = 0.5, kNoiseReach = 6;
-/// Where the middle of the neighbours is farther aside, over their radius (0.42 at a straight border), the scan ends.
+/// Offset of the neighbours' centroid relative to their radius (0.42 at a straight border) beyond which the scan ends.
 constexpr double kMostAside = 0.33;
 constexpr double kLeastCosine = 0.5;
-/// Makes a standard deviation of a median magnitude.
+/// Ratio of the standard deviation to the median magnitude.
 constexpr double kDeviationOfMedian = 1.4826;
-/// Directions in which less than this share of a motion shows in the distances are hardly determined: left alone.
+/// Motions that change the distances by less than this share are poorly determined: they are damped.
 constexpr double kDamping = 1e-4;
-/// So many samples of a scan are enough until steps are as small as this, over the last.
+/// Samples per scan that suffice until steps are as small as this factor of the last one.
 constexpr std::size_t kOnTheWay = 1000;
 constexpr double kOnTheWayOverLast = 5;
-/// A step below this, in noise or in spacings, is the last.
+/// Size of the last step, relative to the noise or the spacing.
 constexpr double kLastOverNoise = 0.02, kLastOverSpacing = 0.0005;
 constexpr double kTellableOverSpacing = 0.1;
-/// Motions are made if they leave no more than this of the loss.
+/// Motions are applied only if they reduce the loss below this factor.
 constexpr double kMostLossLeft = 0.9;
 constexpr double kWarpedOverNoise = 2;
 
 double tukey_weight(double t) { return std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0; }
 
-/// A place on the surface of a scan.
+/// Point of the surface of a scan.
 struct SurfacePlace {
-  double height = 0;  ///< of the query over the surface, along the normal
-  Vec3 normal;        ///< unit; to the side of the samples' normals
+  double height = 0;  ///< height of the query point over the surface along the normal
+  Vec3 normal;        ///< unit normal on the side of the samples' normals
 };
 
-/// One scan with all that is asked of it, in the coordinates in which it came.
+/// Scan with precomputed data, in its original coordinates.
 struct Scan {
   std::uint16_t number = 0;
   std::vector<std::uint32_t> samples;
-  std::vector<std::uint32_t> chosen;  ///< of the samples, those that are compared with other scans
+  std::vector<std::uint32_t> chosen;  ///< samples compared with other scans
   Box3 box;
-  KdTree tree;  ///< of the samples, in their order
+  KdTree tree;  ///< tree of `samples`, in their order
   Vec3 centroid;
-  double radius = 0;  ///< root mean square distance of the chosen ones from the centroid
+  double radius = 0;  ///< root mean square distance of the chosen samples from the centroid
   Eigen::Matrix<double, 6, 6> mass;
   double noise = 0, spacing = 0;
   std::size_t neighbours = kOfQuadric;
@@ -73,8 +73,8 @@ struct SurfaceScratch {
   std::vector<Vec3f> offsets;
 };
 
-/// The quadric through the samples of a scan nearest to q, as seen from q; nothing where the scan has no surface within
-/// `reach`. A sample at q itself is left out if `others`: with `radius`, the distance of the farthest that were used.
+/// Evaluates the quadric through the samples of a scan nearest to q; nothing if the scan has no surface within `reach`.
+/// `others` skips a sample at q itself; `radius` returns the distance of the farthest sample used.
 std::optional<SurfacePlace> surface_at(const PointSet& points, const Scan& scan, const Vec3& q, double reach,
                                        bool others, SurfaceScratch& scratch, double* radius = nullptr) {
   scratch.near.resize(scan.neighbours + (others ? 1 : 0));
@@ -92,7 +92,7 @@ std::optional<SurfacePlace> surface_at(const PointSet& points, const Scan& scan,
   }
   const Moments m = moments(scratch.offsets);
   const PrincipalAxes frame = principal_axes(m.covariance);
-  // One line of samples, or a clump, is no surface.
+  // Collinear or clustered samples define no surface.
   if (frame.values.y < 0.02 * frame.values.z || frame.values.x > 0.5 * frame.values.y) return std::nullopt;
   double widest = 0;
   for (const Vec3f& d : scratch.offsets) {
@@ -143,7 +143,7 @@ void choose_samples(const PointSet& points, std::size_t most, Scan& scan) {
   scan.mass.bottomRightCorner<3, 3>() = inertia / (scan.radius * scan.radius);
 }
 
-/// Spacing and noise of a scan by itself.
+/// Estimates the spacing and noise of a scan.
 void measure_scan(const PointSet& points, Scan& scan) {
   const std::size_t places = std::min<std::size_t>(scan.chosen.size(), 400);
   std::vector<std::optional<std::array<double, 2>>> found(places);
@@ -160,7 +160,7 @@ void measure_scan(const PointSet& points, Scan& scan) {
   for (const auto& one : found)
     if (one) heights.push_back((*one)[0]), radii.push_back((*one)[1]);
   scan.spacing = median(radii) * std::sqrt(std::numbers::pi / static_cast<double>(kOfQuadric));
-  // The height at its middle of a quadric through n samples has a variance of about four nths of theirs.
+  // A quadric through n samples has a variance of about 4/n of theirs at its centre.
   scan.noise = kDeviationOfMedian * median(heights) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
   if (scan.spacing > 0)
     scan.neighbours =
@@ -181,7 +181,7 @@ struct Comparison {
   Vec3 place, normal;
 };
 
-/// Of every so many of the chosen samples.
+/// Compares every `every`-th chosen sample.
 std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>& scans,
                                 const std::vector<RigidMotion>& motions, double reach, std::size_t every = 1) {
   std::vector<Comparison> all;
@@ -214,7 +214,7 @@ std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>&
   return all;
 }
 
-/// Mean of Tukey's loss, at most 1, over all that lies within the widest reach.
+/// Mean of Tukey's loss, at most 1, over all comparisons within the widest reach.
 double mean_loss(const std::vector<Comparison>& all, double width) {
   double sum = 0;
   for (const Comparison& c : all) {
@@ -224,7 +224,7 @@ double mean_loss(const std::vector<Comparison>& all, double width) {
   return all.empty() ? 0 : sum / static_cast<double>(all.size());
 }
 
-/// The rotation by a vector.
+/// Rotation by a rotation vector.
 RigidMotion rotation_by(const Vec3& w) {
   const double angle = norm(w);
   const Vec3 axis = angle > 0 ? w / angle : Vec3{0, 0, 1};
@@ -234,7 +234,7 @@ RigidMotion rotation_by(const Vec3& w) {
   return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), {}};
 }
 
-/// One step of Gauss and Newton's: the rms displacement of the scan that it moves most.
+/// One Gauss–Newton step; returns the largest rms displacement of a scan.
 double take_step(const std::vector<Scan>& scans, const std::vector<Comparison>& all, double width,
                  std::vector<RigidMotion>& motions) {
   const std::size_t n = scans.size();
@@ -263,13 +263,13 @@ double take_step(const std::vector<Scan>& scans, const std::vector<Comparison>& 
     b.segment<6>(i) -= w * c.height * of;
     b.segment<6>(j) -= w * c.height * to;
   }
-  // In the metric of the motions of samples: then what distances do not tell, above all the motion of everything
-  // together, stays zero.
+  // Damping in the metric of sample displacements keeps undetermined motions at zero, in particular the common motion
+  // of all scans.
   for (std::size_t s = 0; s < n; ++s) {
     const Eigen::Index i = 6 * static_cast<Eigen::Index>(s);
     a.block<6, 6>(i, i) += kDamping * scans[s].mass;
   }
-  // Of scans in one plane not even that tells the rotation.
+  // For coplanar scans not even this determines the rotation.
   a.diagonal().array() += 1e-12 * a.diagonal().maxCoeff();
   const Eigen::VectorXd x = a.selfadjointView<Eigen::Lower>().ldlt().solve(b);
   double most = 0;
@@ -285,7 +285,7 @@ double take_step(const std::vector<Scan>& scans, const std::vector<Comparison>& 
   return most;
 }
 
-/// Of the samples of each scan off the others, and of theirs off it, as far as they are within reach.
+/// Deviations of the samples of each scan from the others, and of theirs from it, within reach.
 std::vector<double> deviations_of(const std::vector<Comparison>& all, std::size_t scans, double reach) {
   std::vector<std::vector<double>> heights(scans);
   for (const Comparison& c : all)
@@ -303,7 +303,7 @@ std::size_t index_of_largest(const std::vector<double>& values) {
   return values.empty() ? 0 : static_cast<std::size_t>(std::max_element(values.begin(), values.end()) - values.begin());
 }
 
-/// Those that have a place in common with another one, as far as their boxes tell.
+/// Scans whose boxes overlap that of another scan.
 std::vector<Scan> scans_of(const PointSet& points) {
   std::vector<Scan> all;
   std::vector<std::size_t> counts(PointSet::kUnknownScan, 0), slot(PointSet::kUnknownScan, 0);
@@ -399,7 +399,7 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
 
   std::vector<RigidMotion> motions(scans.size());
   double width = widest;
-  // On the way, and to tell whether it was worth going, few of the samples are enough.
+  // Few samples suffice for the first steps and for checking convergence.
   const std::size_t check_every = std::max<std::size_t>(options.samples / kOnTheWay, 1);
   std::size_t every = check_every;
   for (int round = 0; round < options.rounds; ++round) {

@@ -12,12 +12,12 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kQuantile = 0.001;
-constexpr float kMargin = 2;  // extents of the box between the quantiles
+constexpr float kMargin = 2;  // in extents of the box between the quantiles
 constexpr std::size_t kBoxSamples = 100000;
 constexpr double kManyDuplicates = 0.01;
 
-/// The box of nearly all samples, with a wide margin. Where nearly all lie at one place it holds everything: the others
-/// are not far away from a cloud, they are the cloud.
+/// Box of nearly all samples with a wide margin. If nearly all samples coincide, the box contains everything: then the
+/// other samples are the cloud, not remote from it.
 Box3f main_box(const PointSet& points) {
   const std::size_t stride = 1 + points.size() / kBoxSamples;
   std::vector<float> values((points.size() + stride - 1) / stride);

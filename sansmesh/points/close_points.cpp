@@ -23,8 +23,8 @@ void check_distance(double distance) {
   if (!(distance >= 0 && distance < 1e18)) throw ArgumentError("a distance between points must lie in 0..1e18");
 }
 
-/// Points in the order of a tree, in runs of eight, eight of these and so on. Where all points of a run are as close to
-/// each other as the distance it counts as one: so many points at one place cost no more than one.
+/// Points in tree order, in runs of eight points, eight runs and so on. A run whose points are all within the distance
+/// of each other counts as one point, so that many coincident points cost no more than one.
 class CompactRuns {
  public:
   CompactRuns(const KdTree& tree, float distance) : limit_(distance * distance), points_(tree.positions()) {
@@ -45,10 +45,10 @@ class CompactRuns {
   }
 
   std::size_t size() const { return points_.size(); }
-  /// The first of the points that count as one with it.
+  /// First of the points that are merged with this one.
   std::uint32_t first(std::size_t slot) const { return first_[slot]; }
 
-  /// Calls close(first) for one point of each run before that of `slot` in which there is a point close to it.
+  /// Calls close(first) for one point of each run before that of `slot` that contains a close point.
   template <class Close>
   void for_each_close_before(std::uint32_t slot, const Close& close) const {
     look(levels_.size() - 1, 0, slot, close);
@@ -62,7 +62,8 @@ class CompactRuns {
   std::size_t end_below(std::size_t level, std::size_t run) const {
     return std::min((run + 1) * kTreeWidth, levels_[level - 1].size());
   }
-  // Rounding is monotone: no two points of a box are farther from each other than its corners, nor any from a point.
+  // Rounding is monotone: no two points of a box are farther apart than its corners, and no point of a box is farther
+  // from a point than its corners.
   bool compact(std::size_t level, std::size_t run) const {
     const Box3f& box = levels_[level][run];
     return squared_distance(box.upper, box.lower) <= limit_;
@@ -145,7 +146,7 @@ CloudComponents find_cloud_components(std::span<const Vec3f> positions, double d
   progress.begin("components", tree.size());
   UnionFind sets(positions.size());
   for (std::size_t slot = 0; slot < runs.size(); ++slot) sets.join(order[runs.first(slot)], order[slot]);
-  // Queries in parallel, joins one after the other.
+  // Parallel queries, sequential joins.
   struct Edge {
     std::uint32_t a, b;
   };

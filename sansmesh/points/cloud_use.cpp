@@ -11,7 +11,7 @@ namespace {
 constexpr std::string_view kFaces[] = {"auto", "ignore", "sample", "vertices"};
 constexpr std::string_view kNormals[] = {"auto", "given", "estimate"};
 
-/// Names and numbers of classes.
+/// Conversion of classes from and to text.
 struct ClassWords {
   static constexpr auto kind = OptionKind::text;
   static OptionValue get(const PointClasses& classes) { return point_classes_text(classes); }

@@ -18,15 +18,15 @@ bool lexicographic(const Vec3f& a, const Vec3f& b) {
 std::uint64_t hash_of(const Vec3f& p) {
   std::uint64_t hash = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const float c = p[k] + 0.0f;  // -0 becomes 0
+    const float c = p[k] + 0.0f;  // −0 becomes 0
     hash = (hash ^ std::bit_cast<std::uint32_t>(c)) * 0x9e3779b97f4a7c15u;
     hash ^= hash >> 29;
   }
   return hash;
 }
 
-// Finite samples in the order of a hash of their position: duplicates come together, the lowest index first.
-// Different positions with the same hash must be told apart by the code that walks along a run.
+// Sorts the finite samples by a hash of their position: duplicates are adjacent, lowest index first. Callers must
+// separate different positions with the same hash.
 std::vector<KeyIndex> by_position(std::span<const Vec3f> positions) {
   std::vector<KeyIndex> keys;
   keys.reserve(positions.size());
@@ -58,10 +58,10 @@ std::size_t for_each_duplicate(std::span<const Vec3f> positions, const Duplicate
   return unique;
 }
 
-/// Smaller clouds are looked at as a whole.
+/// Smaller clouds are processed completely.
 constexpr std::size_t kFewestSampled = 100000;
 
-/// One in so many is looked at of larger ones; a place that holds so many of these is counted for itself.
+/// Sampling rate for larger clouds, and the number of sampled points at a position that makes it crowded.
 constexpr std::size_t kSampledOf = 64, kManyAtOnePlace = 8;
 
 double repeated_share(std::vector<std::uint64_t> hashes) {
@@ -72,8 +72,8 @@ double repeated_share(std::vector<std::uint64_t> hashes) {
   return 1 - static_cast<double>(unique) / count;
 }
 
-/// Hashes of the places that many samples share, ascending: one of so many samples tells. Which one of a stretch is
-/// left to chance: in steps of one length the rows of a scan would always show the same columns.
+/// Ascending hashes of positions that many samples share, from one sample per stretch at a pseudo-random place: with
+/// regular steps, the rows of a scan would always contribute the same columns.
 std::vector<std::uint64_t> crowded_places(const PointSet& points) {
   std::vector<std::uint64_t> some, crowded;
   for (std::size_t first = 0; first < points.size(); first += kSampledOf) {
@@ -94,7 +94,7 @@ std::vector<std::uint64_t> crowded_places(const PointSet& points) {
 double duplicate_share(const PointSet& points) {
   const bool whole = points.size() < kFewestSampled;
   const std::uint64_t mask = whole ? 0 : kSampledOf - 1;
-  // Chosen by its place, a crowd would be counted as a whole or not at all.
+  // Selection by position would count a crowded position entirely or not at all.
   const std::vector<std::uint64_t> crowded = whole ? std::vector<std::uint64_t>() : crowded_places(points);
   std::size_t finite = 0, in_crowds = 0;
   std::vector<std::uint64_t> hashes;

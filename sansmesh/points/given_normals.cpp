@@ -13,12 +13,12 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kMostLookingAway = 0.1;  ///< of the normals, where a sensor saw all of the samples
+constexpr double kMostLookingAway = 0.1;  ///< share of the normals, if a sensor is known for all samples
 constexpr double kNearlyAll = 0.95;
 
 std::string percent_words(double share) { return fmt::format("{:.2g} %", 100 * share); }
 
-/// Of signs that neighbours confirm, though not all of them are right.
+/// Description of signs that neighbours confirm although some are wrong.
 std::string uncertain_words(const OrientationReport& r) {
   std::string why;
   if (r.doubt > 0)
@@ -74,7 +74,7 @@ GivenNormals judge_normals(const PointSet& points, double noise) {
   }
   const bool consistent = report.check != OrientationCheck::unoriented;
   for (const OrientBy by : kOrientationOrder) {
-    if (by == OrientBy::up && consistent) break;  // a guess, where the others know
+    if (by == OrientBy::up && consistent) break;  // a guess, in contrast to the other sources
     const std::vector<Vec3f> sights = find_own_sights(points, by, noise);
     if (sights.empty()) continue;
     const double away = share_looking_away(points, sights);
@@ -92,7 +92,7 @@ namespace {
 
 bool has_normals(const GivenNormals& given) { return given.report.check != OrientationCheck::missing; }
 
-/// Only of normals that there are.
+/// Absent without normals.
 std::optional<double> of_normals(const GivenNormals& given, double share) { return told_if(has_normals(given), share); }
 
 constexpr ReportRow kGivenNormalsRows[] = {

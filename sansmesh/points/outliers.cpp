@@ -18,26 +18,25 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kNeighbours = 10;
-/// Samples closer to each other than this many times the spacing around both belong together.
+/// Samples closer than this many local spacings are connected.
 constexpr float kReachOfStrays = 4;
-/// Deviation across / along the best plane from where on the neighbours do not look like a surface; samples spread
-/// evenly in space have about 0.6.
+/// Ratio of the deviations across and along the best plane above which neighbours do not look like a surface; samples
+/// distributed evenly in space have about 0.6.
 constexpr double kScattered = 0.4;
-/// Detached clusters of no more than this share of the cloud are outliers if they look scattered.
+/// Separate clusters of at most this share of the cloud are outliers if they look scattered.
 constexpr double kSmallPart = 0.05;
-/// Samples through which the surface is laid that a sample is measured from, at least.
+/// Least number of samples for the reference surface of a sample.
 constexpr int kFewestAround = 32;
-/// A sample that is this many times farther from its neighbours than they are from theirs might be off the surface;
+/// Ratio of distances to the neighbours and between them from which a sample may be off the surface.
 constexpr float kSparser = 1.3f;
-/// with less noise than this (over the spacing) so might one whose neighbours do not look like a surface.
+/// Below this noise (over the spacing), a sample whose neighbours do not look like a surface may be off it, too.
 constexpr double kThickNoise = 0.35;
-/// What is off the surface is so by this many times the spacing around it: less is a detail that the samples hardly
-/// show.
+/// Least height of a sample off the surface, in local spacings: smaller deviations are poorly sampled details.
 constexpr float kOffByAtLeast = 1.5f;
-/// Share of a sample's height from which on others count as beside it: a spike, a rib, another sheet.
+/// Share of a sample's height above which other samples are beside it: a spike, a rib, another sheet.
 constexpr double kBesidePlane = 0.6;
 constexpr int kPlaneRounds = 3;
-/// Where coordinates come in steps, what is nearer than so many of them is next to each other.
+/// In quantised coordinates, samples within this many steps are adjacent.
 constexpr double kStepsBeside = 2;
 
 bool looks_scattered(std::span<const Vec3f> offsets) {
@@ -51,10 +50,10 @@ bool looks_scattered(const KdTree& tree, std::span<const std::uint32_t> neighbou
   return looks_scattered(offsets);
 }
 
-/// Heights over a plane that those far from it do not draw.
+/// Robust plane: samples far from it have no influence.
 struct RobustPlane {
   Vec3 normal, through;
-  double deviation = 0;  ///< of the heights, by their median
+  double deviation = 0;  ///< deviation of the heights, from their median
 
   double height(const Vec3f& at) const { return dot(Vec3(at) - through, normal); }
 
@@ -73,7 +72,7 @@ struct RobustPlane {
       for (const Vec3f& p : places) heights.push_back(std::abs(height(p)));
       std::vector<double> sorted = heights;
       deviation = 1.4826 * median(sorted);
-      for (std::size_t i = 0; i < places.size(); ++i) {  // Geman & McClure
+      for (std::size_t i = 0; i < places.size(); ++i) {  // Geman–McClure
         const double t = heights[i] / (3 * deviation + 1e-30), w = 1 / (1 + t * t);
         weights[i] = w * w;
       }
@@ -123,8 +122,8 @@ std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOpt
   const NoiseEstimate measured = measure_noise(points);
   const auto beside_steps = static_cast<float>(kStepsBeside * measured.step);
 
-  // Isolated: much farther from its neighbours than they are from theirs; or in a region that is sparse against the
-  // whole cloud and no surface either, as in a thin cloud of stray samples, which have each other for neighbours.
+  // Isolated samples: much farther from their neighbours than these are from theirs; or in a region that is sparse
+  // relative to the cloud and not a surface, as in a thin cloud of stray samples that are neighbours of each other.
   std::vector<std::uint8_t> isolated(n);
   std::vector<float> around(n);  // typical spacing of the neighbours
   parallel_ranges(0, n, 8192, [&](std::size_t first, std::size_t last) {
@@ -143,7 +142,7 @@ std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOpt
     }
   });
 
-  // Detached: clusters of too few samples, the isolated ones left out.
+  // Detached clusters with too few samples; isolated samples do not count.
   UnionFind clusters(n);
   std::vector<std::uint32_t> members(n, 0);
   for (std::uint32_t s = 0; s < n; ++s) {
@@ -158,7 +157,7 @@ std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOpt
   }
   for (std::uint32_t s = 0; s < n; ++s) ++members[clusters.find(s)];
 
-  // Neighbourhoods that show the surface through the noise.
+  // Neighbourhoods wide enough to show the surface despite the noise.
   const double noise = measured.deviation, typical = estimate_spacing(points);
   const bool thick = noise > kThickNoise * typical;
   const std::size_t wide = static_cast<std::size_t>(std::max(choose_neighbours(typical, noise), kFewestAround)) + 1;
@@ -182,7 +181,7 @@ std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOpt
       for (const Neighbour& other : std::span(found).first(count))
         if (other.squared_distance > 0) offsets.push_back(points.positions[other.index] - place);
       if (offsets.size() < kNeighbours) continue;
-      // A rod is not flat to many neighbours, a noisy sheet not to few: neither is scattered.
+      // A rod is not flat for many neighbours, a noisy sheet not for few; neither is scattered.
       const bool shown = norm(offsets.back()) > 2 * beside_steps;
       if (part && shown) scattered[s] = looks_scattered(tree, nearest) && looks_scattered(offsets);
       if (!sparser && !rough) continue;
@@ -197,14 +196,14 @@ std::vector<std::uint8_t> find_outliers(const PointSet& points, const OutlierOpt
       off[s] = static_cast<std::size_t>(beside) + 1 < options.min_cluster;
     }
   });
-  std::vector<std::uint32_t> strays(n, 0);  // scattered samples of each cluster
+  std::vector<std::uint32_t> strays(n, 0);  // scattered samples per cluster
   for (std::uint32_t s = 0; s < n; ++s) strays[cluster[s]] += scattered[s];
   const auto no_surface = [&](std::uint32_t c) {
     return members[c] < options.min_cluster || (members[c] <= small && 2 * strays[c] > members[c]);
   };
   for (std::uint32_t s = 0; s < n; ++s)
     if (isolated[s] || off[s] || no_surface(cluster[s])) mask[tree.order()[s]] = 1;
-  // A cloud of nothing but tiny clusters is sparse, not made of outliers.
+  // A cloud that consists of tiny clusters only is sparse.
   const auto marked = static_cast<std::size_t>(std::count(mask.begin(), mask.end(), 1));
   if (2 * marked > points.size())
     for (std::size_t i = 0; i < points.size(); ++i) mask[i] = is_finite(points.positions[i]) ? 0 : 1;

@@ -12,7 +12,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Of the numbers below 64 (LAS 1.4, "ASPRS standard point classes"); 8 and 12 as in the versions before.
+/// Names of the classes below 64 (LAS 1.4, "ASPRS standard point classes"); 8 and 12 as in earlier versions.
 constexpr std::string_view kClassNames[] = {"never-classified",
                                             "unclassified",
                                             "ground",
@@ -39,20 +39,20 @@ constexpr std::string_view kClassNames[] = {"never-classified",
 
 struct ClassGroup {
   std::string_view name;
-  std::uint32_t classes;  ///< a bit each
+  std::uint32_t classes;  ///< a bit per class
 };
 constexpr ClassGroup kClassGroups[] = {{"vegetation", 1u << 3 | 1u << 4 | 1u << 5},
                                        {"noise", 1u << 7 | 1u << 18},
                                        {"wire", 1u << 13 | 1u << 14 | 1u << 16}};
 
-/// The class that a number of any type stands for; -1 for none.
+/// Class of a number of any type; −1 if invalid.
 template <class T>
 int class_of(T v) {
   const auto number = static_cast<double>(v);
   return number >= 0 && number < 256 ? static_cast<int>(number) : -1;
 }
 
-/// In lower case, without blanks around it.
+/// Lower-case word without surrounding blanks.
 std::string plain_word(std::string_view word) {
   constexpr std::string_view kBlanks = " \t";
   const std::size_t first = word.find_first_not_of(kBlanks);
@@ -71,7 +71,7 @@ std::string plain_word(std::string_view word) {
                       names.substr(1));
 }
 
-/// A number, or two with a dash between them. False for anything else.
+/// Parses a number, or two with a dash between them; returns false for other texts.
 bool parse_class_range(const std::string& word, PointClasses& classes) {
   unsigned first = 0, last = 0;
   const char* const end = word.data() + word.size();

@@ -23,9 +23,9 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A local fit needs this many samples.
+/// Least number of samples for a local fit.
 constexpr std::size_t kFewest = 9;
-/// Share of given normals that may look away from where their samples were seen: noise at grazing angles.
+/// Largest share of given normals facing away from the sensor: noise at grazing angles.
 constexpr double kMostLookingAway = 0.1;
 
 void clean(PointSet& points, std::vector<std::string>& warnings) {
@@ -40,7 +40,7 @@ void clean(PointSet& points, std::vector<std::string>& warnings) {
   if (given > 1 && points.size() == 1) throw DataError("all points coincide: there is no surface to reconstruct");
 }
 
-/// `unit`: a length of 1 in the input. `as_mesh`: triangles tell what so few or flat points do not.
+/// `unit`: input length of 1. `as_mesh`: triangles supplement few or flat points.
 void check_shape(const PointSet& points, double unit, bool as_mesh = false) {
   const CloudShape shape = classify_shape(points);
   const bool flat = shape == CloudShape::line || shape == CloudShape::plane;
@@ -75,8 +75,7 @@ bool all_on_faces(const PointSet& mesh) {
   return std::find(on_face.begin(), on_face.end(), 0) == on_face.end();
 }
 
-/// Faces as samples where the vertices are not enough, and as the source of normals. Which way these look, if they are
-/// those of faces.
+/// Samples the faces if the vertices are insufficient, and uses face normals. Returns the orientation of these, if any.
 FaceSides use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& warnings) {
   if (points.triangles.empty() || faces == FaceUse::ignore) return FaceSides::unknown;
   const bool forced = faces == FaceUse::sample;
@@ -97,8 +96,8 @@ FaceSides use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& w
   return sides;
 }
 
-/// Turns consistent normals that look away from where their samples were seen. False where that is not known, or not
-/// believable, and they stay as they are.
+/// Flips consistent normals that face away from the sensor. Returns false, without changes, if the sensor is unknown or
+/// implausible.
 bool look_at_sensors(PreparedCloud& cloud, Progress& progress) {
   PointSet& points = cloud.points;
   for (const OrientBy by : {OrientBy::scanner, OrientBy::rows, OrientBy::flight}) {
@@ -131,7 +130,7 @@ void estimate_missing_normals(PreparedCloud& cloud, const KdTree& tree, Progress
   cloud.estimated_normals = true;
 }
 
-/// Of thin parts neighbours tell less than faces that bound solids do.
+/// For thin parts, faces that bound solids are more reliable than neighbours.
 OrientationCheck judged_orientation(const PreparedCloud& cloud) {
   switch (cloud.face_sides) {
     case FaceSides::outward:
@@ -179,14 +178,14 @@ void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progre
         "others");
 }
 
-/// Of all scans together, to tell whether they disagree; and of each of them at least.
+/// Number of samples of all scans together for detecting misalignment, and least number per scan.
 constexpr std::size_t kTold = 1500, kFewestTold = 60;
 
 std::string scan_called(const PointSet& points, std::size_t scan) {
   return scan < points.scan_names.size() ? points.scan_names[scan] : "scan " + std::to_string(scan + 1);
 }
 
-/// Says whether scans disagree, or moves them. True if they were moved.
+/// Reports misaligned scans, or aligns them. Returns whether they were moved.
 bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
   PointSet& points = cloud.points;
   if (points.scan_of_point.size() != points.size() || !has_several_scans(points)) {
@@ -266,7 +265,7 @@ PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& prog
   prepare_normals(result, use, progress);
   if (align_scans(result, use.align, progress)) {
     result.noise.reset(), result.spacing.reset();
-    // Those of scans that did not fit together were means over what lay beside each other.
+    // Normals estimated from misaligned scans averaged over adjacent surfaces.
     if (result.estimated_normals) {
       result.points.normals.clear();
       prepare_normals(result, use, progress);

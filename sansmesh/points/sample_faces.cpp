@@ -9,7 +9,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Uniform in [0, 1) from a counter (the finaliser of SplitMix64): any sample can be made without those before it.
+/// Uniform in [0, 1) from a counter (finaliser of SplitMix64): samples are independent of each other.
 double uniform(std::uint64_t counter) {
   std::uint64_t z = (counter + 1) * 0x9E3779B97F4A7C15u;
   z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
@@ -17,7 +17,7 @@ double uniform(std::uint64_t counter) {
   return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-/// Attributes of the vertices, interpolated, and of the triangles.
+/// Interpolates attributes of vertices, and copies those of triangles.
 void carry_attributes(const PointSet& mesh, const std::vector<FaceSample>& samples, PointSet& cloud) {
   if (!mesh.attributes.empty()) {
     std::vector<std::uint32_t> corners(3 * samples.size());
@@ -52,7 +52,7 @@ Vec3 doubled_area(std::span<const Vec3f> vertices, const Triangle& t) {
 
 std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
                                          std::size_t count) {
-  std::vector<double> area(triangles.size());  // summed up to and including each
+  std::vector<double> area(triangles.size());  // cumulative areas
   double total = 0;
   for (std::size_t i = 0; i < area.size(); ++i) area[i] = total += norm(doubled_area(vertices, triangles[i]));
   if (!(total > 0)) return {};

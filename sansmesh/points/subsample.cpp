@@ -14,7 +14,7 @@ std::vector<std::uint32_t> scattered_choice(std::size_t n, std::size_t count) {
     std::iota(chosen.begin(), chosen.end(), 0u);
     return chosen;
   }
-  // Each number is taken with the chance that is right for what is still wanted of what is left.
+  // Selection sampling: takes each number with the probability of required over remaining ones.
   chosen.reserve(count);
   for (std::size_t i = 0; i < n && chosen.size() < count; ++i)
     if (scrambled(i) % (n - i) < count - chosen.size()) chosen.push_back(static_cast<std::uint32_t>(i));
