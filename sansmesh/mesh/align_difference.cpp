@@ -10,10 +10,11 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-/// Medians of so few offsets tell nothing.
+/// Least number of offsets for a meaningful median.
 constexpr std::size_t kFewestNeighbours = 5;
 constexpr std::size_t kMostNeighbours = 64;
-/// Standard deviations of a median beyond which it is no chance; and deviation over median of the absolute offsets.
+/// Significance threshold in standard deviations of a median; ratio of the deviation to the median of absolute offsets;
+/// and deviation of medians.
 constexpr double kSurelyNoChance = 4, kDeviationOfMedianOffset = 1.4826, kDeviationOfMedians = 1.2533;
 
 }  // namespace
@@ -40,8 +41,8 @@ ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurfac
 
   const KdTree tree(places);
   struct Local {
-    double middle = 0, scatter = 0;  ///< medians of the heights and of their distances from it
-    std::size_t count = 0;           ///< 0: not told
+    double middle = 0, scatter = 0;  ///< median of the heights, and median distance from it
+    std::size_t count = 0;           ///< 0: undetermined
   };
   std::vector<Local> locals(places.size());
   parallel_for(0, places.size(), 64, [&](std::size_t p) {
@@ -58,7 +59,7 @@ ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurfac
     for (double& h : heights) h = std::abs(h - local.middle);
     local.scatter = median(heights);
   });
-  // A few heights may lie together by chance: nowhere is the noise taken to be less than it usually is.
+  // A few heights may coincide by chance: the noise is nowhere taken to be below its typical value.
   std::vector<double> scatters;
   for (const Local& local : locals)
     if (local.count > 0) scatters.push_back(local.scatter);

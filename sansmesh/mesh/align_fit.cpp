@@ -19,9 +19,9 @@ constexpr double kLikeNormals = 0.5;  // cosine
 constexpr double kReachOverMedian = 5;
 constexpr double kFastestNarrowing = 0.55;
 constexpr double kFitDamping = 1e-5;
-constexpr double kMostTurn = 0.5;  // radians in a step
+constexpr double kMostTurn = 0.5;  // radians per step
 constexpr double kEverywhere = 1e18;
-/// So many steps that bring the surfaces no nearer, by such a share, are enough.
+/// Number of steps without this relative improvement after which the fit ends.
 constexpr int kIdleSteps = 12;
 constexpr double kNearer = 1e-3;
 
@@ -29,7 +29,7 @@ double tukey(double t) { return std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0;
 
 struct Pair {
   Vec3 at, foot, normal;
-  double distance = -1;  // below 0: they do not belong together
+  double distance = -1;  // negative: no match
 };
 
 template <class Surface>
@@ -47,13 +47,13 @@ void find_pairs(const OrientedPoints& moving, const Surface& fixed, const Pose& 
     const double distance = norm(p.at - foot.point);
     if (!(distance <= reach)) return;
     p.foot = foot.point;
-    // Between the two normals: then a step is right to second order.
+    // The mean of both normals makes the step correct to second order.
     p.normal = normalized(foot.normal + (dot(n, foot.normal) < 0 ? -n : n));
     p.distance = distance;
   });
 }
 
-/// Of all samples, wherever they are: most of them are nearer.
+/// Distance that contains most samples, regardless of matches.
 template <class Surface>
 double distance_of_most(const OrientedPoints& moving, const Surface& fixed, const Pose& pose) {
   std::vector<double> distances(moving.size());
@@ -68,8 +68,8 @@ double distance_of_most(const OrientedPoints& moving, const Surface& fixed, cons
   return *at;
 }
 
-/// Moves the pose; root mean square of the motion of the pairs, without what the distances do not tell: to slide on is
-/// no way to get nearer.
+/// Moves the pose; returns the rms motion of the pairs without undetermined motions, since sliding along the surface
+/// does not reduce distances.
 double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, Pose& pose, std::vector<double>& told) {
   const Eigen::Index unknowns = scale ? 7 : 6;
   Vec3 center;
@@ -93,7 +93,7 @@ double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, P
     a.noalias() += w * row * row.transpose();
     b -= w * height * row;
     weights += w;
-    // What a motion does to the places themselves.
+    // Displacement of the points by a unit motion.
     for (std::size_t k = 0; k < 3; ++k) {
       Vec3 axis;
       axis[k] = 1;
@@ -151,7 +151,7 @@ FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pos
     for (const Pair& p : pairs)
       if (p.distance >= 0) distances.push_back(p.distance);
     if (distances.size() < 6) break;
-    // No wider than the distances want, nor narrower.
+    // Adapts the width to the distances in both directions.
     const double middle = median(distances);
     const double wanted = std::max(options.least_reach, kReachOverMedian * middle);
     const double step = take_fit_step(pairs, reach, options.scale, result.pose, result.told);

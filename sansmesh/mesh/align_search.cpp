@@ -16,33 +16,33 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kWantedSamples = 2500;  // of the smaller side
-constexpr double kMostSamples = 12000;   // of the larger
+constexpr double kWantedSamples = 2500;  // samples of the smaller surface
+constexpr double kMostSamples = 12000;   // samples of the larger surface
 constexpr std::size_t kRotations = 480;
 constexpr std::size_t kOfScore = 250, kOfFit = 900;
 constexpr double kFeatureReach = 5, kNormalBlur = 2;  // in spacings
 constexpr std::size_t kMostMatches = 1200;
-constexpr double kPairTolerance = 1.5;  // of lengths, in spacings
-constexpr double kPairAngle = 0.35;     // of normals, radians
+constexpr double kPairTolerance = 1.5;  // tolerance of lengths, in spacings
+constexpr double kPairAngle = 0.35;     // tolerance of angles between normals, radians
 constexpr double kMatchReach = 2;       // in spacings
-constexpr double kLeastPair = 4;        // length, in spacings
+constexpr double kLeastPair = 4;        // least distance of a pair, in spacings
 constexpr std::size_t kMostPairs = 200000, kPosesOfMatch = 12;
-constexpr double kCoarseReach = 3, kFineReach = 1.5;  // of scores, in spacings
+constexpr double kCoarseReach = 3, kFineReach = 1.5;  // for scores, in spacings
 constexpr std::size_t kKeptOfPairs = 60, kKeptOfRotations = 40, kKept = 14;
 
-/// Every so many-th.
+/// Selects evenly spaced samples.
 OrientedPoints thinned(const OrientedPoints& all, std::size_t most) {
   OrientedPoints some;
   const std::size_t count = std::min(all.size(), most);
   for (std::size_t k = 0; k < count; ++k) {
-    // In the order of the samples neighbours follow each other: a step that shares no factor scatters them evenly.
+    // Neighbours are adjacent in the order of the samples, so equal steps are even in space.
     some.x.push_back(all.x[k * all.size() / count]);
     some.n.push_back(all.n[k * all.size() / count]);
   }
   return some;
 }
 
-/// Rotations in even steps, by a spiral on the sphere of quaternions (Alexa 2022, "Super-Fibonacci spirals").
+/// Evenly spaced rotations on a spiral in the space of quaternions (Alexa 2022, "Super-Fibonacci spirals").
 Pose spiral_rotation(std::size_t k, std::size_t count) {
   const double phi = std::numbers::sqrt2, psi = 1.533751168755204288118041;
   const double s = static_cast<double>(k) + 0.5, t = s / static_cast<double>(count), d = 2 * std::numbers::pi * s;
@@ -55,7 +55,7 @@ Pose spiral_rotation(std::size_t k, std::size_t count) {
           {}};
 }
 
-/// The four rotations that bring one side's principal axes onto the other's.
+/// The four rotations that align the principal axes of both surfaces.
 std::vector<Pose> principal_rotations(const OrientedPoints& moving, const OrientedPoints& fixed) {
   const auto axes_of = [](const OrientedPoints& p) {
     const std::vector<Vec3f> x(p.x.begin(), p.x.end());
@@ -80,14 +80,14 @@ struct Match {
   std::uint32_t moving, fixed;
 };
 
-/// Samples whose features are nearest to each other.
+/// Pairs of samples with mutually nearest features.
 std::vector<Match> match_features(const std::vector<PointFeature>& moving, const std::vector<PointFeature>& fixed) {
   const auto nearest = [](const std::vector<PointFeature>& of, const std::vector<PointFeature>& in) {
     std::vector<std::pair<std::uint32_t, float>> best(of.size());
     parallel_for(0, of.size(), 16, [&](std::size_t i) {
       float least = std::numeric_limits<float>::infinity();
       for (std::size_t j = 0; j < in.size(); ++j) {
-        // Four sums side by side: the compiler makes vectors of them, always in the same order.
+        // Several sums in parallel, so that the compiler vectorises them in a fixed order.
         std::array<float, 11> sum{};
         for (std::size_t k = 0; k < 33; k += 11)
           for (std::size_t l = 0; l < 11; ++l) {
@@ -112,7 +112,7 @@ std::vector<Match> match_features(const std::vector<PointFeature>& moving, const
   return matches;
 }
 
-/// Right-handed, unit axes: along the line between two places, and by their normals.
+/// Right-handed orthonormal axes from the line between two points and their normals.
 bool frame_of(const Vec3& d, const Vec3& n, Vec3 (&axes)[3]) {
   axes[0] = normalized(d);
   const Vec3 across = n - axes[0] * dot(n, axes[0]);
@@ -124,13 +124,13 @@ bool frame_of(const Vec3& d, const Vec3& n, Vec3 (&axes)[3]) {
 
 double angle_of(const Vec3& a, const Vec3& b) { return std::acos(std::clamp(dot(a, b), -1.0, 1.0)); }
 
-/// Poses from pairs of matches that are as far apart, and turned to each other, on both sides; by how many other
-/// matches agree.
+/// Poses from pairs of matches with equal distances and relative orientations on both surfaces, scored by the number of
+/// other matches that agree.
 std::vector<FoundPose> poses_of_matches(const OrientedPoints& moving, const OrientedPoints& fixed,
                                         const std::vector<Match>& matches, double spacing, bool scale) {
   const std::size_t n = matches.size();
   if (n < 3) return {};
-  // All pairs, or a fixed choice: a step of the square of places that shares no factor with it.
+  // All pairs, or a fixed selection at equal steps.
   const std::uint64_t all = static_cast<std::uint64_t>(n) * (n - 1) / 2;
   const std::uint64_t every = std::max<std::uint64_t>(1, all / (4 * kMostPairs));
   std::vector<std::vector<FoundPose>> of_first(n);
@@ -166,7 +166,7 @@ std::vector<FoundPose> poses_of_matches(const OrientedPoints& moving, const Orie
       if (found.score >= 3) of_first[i].push_back(found);
       if (of_first[i].size() >= kPosesOfMatch) break;
     }
-    // Those of one match hardly differ.
+    // Poses from the same match hardly differ.
     std::stable_sort(of_first[i].begin(), of_first[i].end(),
                      [](const FoundPose& x, const FoundPose& y) { return x.score > y.score; });
     if (of_first[i].size() > 4) of_first[i].resize(4);
@@ -242,7 +242,7 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
 
   progress.begin("look for like places");
   for (const double sign : {1.0, -1.0}) {
-    if (sign < 0 && samples.signs) break;  // which side is which is known
+    if (sign < 0 && samples.signs) break;  // the sides are known
     OrientedPoints flipped = samples.moving;
     for (Vec3& n : flipped.n) n = n * sign;
     const std::vector<Match> matches =

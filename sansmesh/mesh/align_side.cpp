@@ -21,16 +21,16 @@ namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr std::size_t kFewest = 20;
-constexpr std::size_t kDense = 60000;  // samples that describe a side
-constexpr std::size_t kMeanPlane = 5;  // of whose neighbours the tangent plane is the mean
-/// A place farther aside than this from the nearest sample, in spacings, is beyond the border.
+constexpr std::size_t kDense = 60000;  // samples that describe a surface
+constexpr std::size_t kMeanPlane = 5;  // neighbours averaged for a tangent plane
+/// Lateral distance from the nearest sample, in spacings, beyond which a point is beyond the border.
 constexpr double kAsideOverSpacing = 1.5;
 constexpr std::size_t kOfBlur = 16;
 constexpr double kFirstSpacing = 0.06;
 constexpr double kLeastCrowd = 0.15;
-/// Share of the edges whose faces may contradict each other where the others tell the sides of a mesh.
+/// Largest share of inconsistent edges of a mesh with meaningful sides.
 constexpr double kFewContradictions = 0.02;
-/// Over the area to the power of 3/2: less is rounding.
+/// Volume over area^(3/2) below which only rounding is left.
 constexpr double kNoVolume = 1e-7;
 
 std::vector<Vec3f> to_floats(const std::vector<Vec3>& x) {
@@ -40,7 +40,7 @@ std::vector<Vec3f> to_floats(const std::vector<Vec3>& x) {
   return floats;
 }
 
-/// Evenly many of a list of numbers.
+/// Evenly spaced selection from the numbers below n.
 std::vector<std::uint32_t> some_of(std::size_t n, std::size_t most) {
   const std::size_t count = std::min(n, most);
   std::vector<std::uint32_t> chosen(count);
@@ -48,7 +48,7 @@ std::vector<std::uint32_t> some_of(std::size_t n, std::size_t most) {
   return chosen;
 }
 
-/// Not where faces contradict each other, or all lie back to back: which of them is nearest says nothing then.
+/// False if faces contradict each other or are back to back, since the nearest face is then arbitrary.
 bool tells_sides(const TriangleMesh& mesh) {
   const MeshTopology t = measure_topology(mesh);
   if (static_cast<double>(t.inconsistent_edges) > kFewContradictions * static_cast<double>(t.edges)) return false;
@@ -70,7 +70,7 @@ bool has_triangles(const TriangleMesh& mesh) {
   });
 }
 
-/// Of the places that count: corners of triangles, or all points.
+/// Positions of triangle corners, or of all points.
 std::vector<Vec3> places_that_count(const TriangleMesh& mesh, std::size_t most) {
   std::vector<std::uint8_t> used(mesh.vertices.size(), mesh.triangles.empty() ? 1 : 0);
   for (const Triangle& t : mesh.triangles)
@@ -90,7 +90,7 @@ void append(const PointSet& cloud, OrientedPoints& points) {
   }
 }
 
-/// Points that have hardly any others near belong to no surface.
+/// Removes points with hardly any neighbours.
 void drop_strays(OrientedPoints& points, double radius) {
   const std::vector<Vec3f> x = to_floats(points.x);
   const KdTree tree(x);
@@ -105,7 +105,7 @@ void drop_strays(OrientedPoints& points, double radius) {
   if (kept.size() >= kFewest) points = std::move(kept);
 }
 
-/// Normals of faces are noisy where vertices are.
+/// Smooths the normals of faces, which are as noisy as the vertices.
 void blur_normals(OrientedPoints& points) {
   const std::vector<Vec3f> x = to_floats(points.x);
   const KdTree tree(x);
@@ -273,7 +273,7 @@ AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit
         dense.positions.push_back(cloud.positions[i]);
         dense.normals.push_back(cloud.normals[i]);
       }
-      // Only the search elsewhere asks for the sides of estimated normals, and of these samples.
+      // Only the global search needs consistent signs of estimated normals, for these samples.
       if (!given) orient_normals(dense, {}, progress);
     } catch (const DataError&) {
       throw DataError(std::string("the ") + name + " surface has no normals, and none can be estimated");
@@ -290,7 +290,7 @@ AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit
   for (const Vec3& p : even.x) side.centroid += p / static_cast<double>(even.size());
   for (const Vec3& p : even.x) side.radius += squared_norm(p - side.centroid);
   side.radius = std::sqrt(side.radius / static_cast<double>(even.size()));
-  // The samples are finer than the larger of both: of the smaller one there may be one.
+  // The sample spacing is derived from the larger surface: the smaller one may have a single sample.
   if (!(side.radius > 0))
     throw DataError(std::string("the ") + name +
                     " surface is too small beside the other (`find_scale` finds a factor)");

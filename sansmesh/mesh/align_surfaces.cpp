@@ -23,23 +23,24 @@ using detail::OrientedPoints;
 using detail::Pose;
 using detail::SearchSamples;
 
-/// Both surfaces lie on each other to this share: no need to look elsewhere.
+/// Overlap of both surfaces above which no global search is needed.
 constexpr double kSurelyThere = 0.8;
-/// Poses that fit as well as the best, to this share of its score, and differ by so much: radians, and of the size.
+/// Alternative poses: least score relative to the best, and least difference in angle (radians) and position (in
+/// sizes).
 constexpr double kAsGood = 0.98, kOtherAngle = 0.2, kOtherPlace = 0.1;
 constexpr std::size_t kComparedPoses = 6, kOnTheWay = 3000, kOfComparison = 1500;
-/// Poses with less than this part of the best score are not looked at closely.
+/// Poses below this fraction of the best score are not refined.
 constexpr double kWorthALook = 0.85;
-/// Distances that count at last: so many standard deviations, and at least this part of the size.
+/// Final reach: in standard deviations, and least in sizes.
 constexpr double kReachOverDeviation = 4, kDeviationOfMedian = 1.4826, kLeastReach = 0.002;
 constexpr double kStepOverMedian = 0.005;
 constexpr double kLeastOverlap = 0.2;
-/// Points of a fixed cloud that are enough: at least, and for each sample.
+/// Points of a fixed cloud: least number, and number per sample.
 constexpr std::size_t kFixedPoints = 150000, kFixedOfSample = 8;
-/// Another shape: so far from the surface (part of the size), seen at samples within so many spacings, at such a share
-/// of them. A mirror image fits where it differs in less than a third of that.
+/// Different shape: least distance from the surface (in sizes) and radius of the comparison (in sizes). A mirror image
+/// fits if it differs in less than this fraction of the samples.
 constexpr double kLeastDifference = 0.003, kDifferenceReach = 0.1, kMirroredShare = 1.0 / 3;
-/// With distances that count up to more than this part of the size, everything lies on everything.
+/// With a larger reach (in sizes) everything matches everything.
 constexpr double kWidestReach = 0.15;
 
 std::vector<std::uint32_t> chosen_of(std::size_t n, std::size_t most) {
@@ -57,7 +58,7 @@ OrientedPoints samples_of(const AlignSide& side, std::size_t most) {
   return some;
 }
 
-/// What is left between samples and the surface, as far as they lie on it.
+/// Remaining distances of the samples on the surface.
 std::vector<double> left_between(const OrientedPoints& samples, const detail::WholeSurface& fixed, const Pose& pose,
                                  double reach, bool signs) {
   std::vector<double> left;
@@ -66,7 +67,7 @@ std::vector<double> left_between(const OrientedPoints& samples, const detail::Wh
   return left;
 }
 
-/// To the surface itself, first with few samples, then with all.
+/// Fits to the surface itself, first with few samples, then with all.
 FitResult fit_closely(const OrientedPoints& few, const OrientedPoints& many, const detail::WholeSurface& fixed,
                       const Pose& start, double reach, const SurfaceAlignmentOptions& options, bool signs) {
   FitOptions fit;
@@ -79,7 +80,7 @@ FitResult fit_closely(const OrientedPoints& few, const OrientedPoints& many, con
   FitResult rough = detail::fit_pose(few, fixed, start, fit);
   std::vector<double> left = left_between(few, fixed, rough.pose, rough.reach, signs);
   fit.reach = fit.least_reach = std::max(kLeastReach, kReachOverDeviation * kDeviationOfMedian * median(left));
-  // Smaller steps than the noise of the samples tells are none.
+  // Steps below the noise of the samples are insignificant.
   fit.last_step = std::max(1e-7, kStepOverMedian * median(left));
   FitResult close = detail::fit_pose(many, fixed, rough.pose, fit);
   close.iterations += rough.iterations;
@@ -96,7 +97,7 @@ double SimilarityMotion::angle() const {
 Vec3 SimilarityMotion::axis() const {
   const Vec3 w{y.z - z.y, z.x - x.z, x.y - y.x};
   if (norm(w) > 1e-9) return normalized(w);
-  // Half a turn, or none: the column of R + 1 that is longest.
+  // Half a turn, or none: the longest column of R + 1.
   const Vec3 columns[] = {x + Vec3{1, 0, 0}, y + Vec3{0, 1, 0}, z + Vec3{0, 0, 1}};
   return normalized(*std::max_element(std::begin(columns), std::end(columns),
                                       [](const Vec3& a, const Vec3& b) { return squared_norm(a) < squared_norm(b); }));
@@ -145,9 +146,9 @@ SurfaceAlignment align(const TriangleMesh& moving_mesh, const TriangleMesh& fixe
   double moving_size = 0, fixed_size = 0;
   detail::measure_side(moving_mesh, "moving", moving_origin, moving_size);
   detail::measure_side(fixed_mesh, "fixed", fixed_origin, fixed_size);
-  // Of very different sizes: the scale is part of the units, so that both are about 1 large.
+  // For very different sizes the scale becomes part of the units, so that both surfaces have a size of about 1.
   const double moving_unit = options.find_scale ? moving_size : fixed_size;
-  // Of what moves no more points are compared; of the fixed side the tangent planes are means over some.
+  // The moving surface needs no more points than are compared; tangent planes of the fixed one average several points.
   const AlignSide moving =
       detail::prepare_side(moving_mesh, moving_origin, moving_unit, options.samples, "moving", progress);
   const AlignSide fixed =
@@ -263,7 +264,7 @@ SurfaceAlignment align_surfaces(const TriangleMesh& moving, const TriangleMesh& 
                                 const SurfaceAlignmentOptions& options, Progress& progress) {
   options.validate();
   SurfaceAlignment result = align(moving, fixed, options, progress);
-  // Mirrored parts hide behind a fit that is not bad: symmetric shapes are nearly their own mirror images.
+  // A mirrored part may fit moderately, as symmetric shapes nearly equal their mirror images.
   if (result.found && result.differing > kOtherShape && options.start != AlignStart::as_it_lies) {
     SurfaceAlignmentOptions anywhere = options;
     anywhere.start = AlignStart::anywhere;

@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-/// The vertices along a curve that fills space.
+/// Vertices in the order of a space-filling curve.
 std::vector<std::uint32_t> order_in_space(const EdgeCollapses& mesh) {
   const Box3 box = mesh.bounds_of();
   const Vec3 size = box.size();
@@ -28,7 +28,7 @@ std::vector<std::uint32_t> order_in_space(const EdgeCollapses& mesh) {
   return order;
 }
 
-/// `members`: consecutive in `order`; marks those whose edges were all within the patch.
+/// `members` are consecutive in `order`; marks those whose edges are all within the patch.
 void collapse_patch(EdgeCollapses& mesh, std::span<const std::uint32_t> members, const std::vector<std::uint32_t>& rank,
                     std::vector<std::uint8_t>& tried) {
   const std::uint32_t begin = rank[members[0]];
@@ -40,7 +40,7 @@ void collapse_patch(EdgeCollapses& mesh, std::span<const std::uint32_t> members,
       Triangle t = mesh.triangles[r];
       bool all = true;
       for (std::uint32_t& v : t) {
-        v = rank[v] - begin;  // those before the patch wrap round
+        v = rank[v] - begin;  // vertices before the patch wrap around
         all = all && v < members.size();
       }
       if (!all) {
@@ -88,7 +88,7 @@ std::vector<std::uint32_t> collapse_patches(EdgeCollapses& mesh, Progress& progr
                    tried);
   });
   mesh.pack_triangles();
-  std::fill(mesh.to.begin(), mesh.to.end(), kNoVertex);  // what was asked before is not true any more
+  std::fill(mesh.to.begin(), mesh.to.end(), kNoVertex);  // invalidates earlier results
   std::vector<std::uint32_t> open;
   mesh.left = 0;
   for (std::uint32_t v = 0; v < mesh.x.size(); ++v) {

@@ -100,8 +100,8 @@ std::vector<TriangleMesh> split_components(const TriangleMesh& mesh, const MeshC
 
 namespace {
 
-/// Of each vertex: whether its triangles, at most as many as bits in a word, are surely one fan. They are of nearly
-/// all.
+/// For each vertex, whether its triangles are certainly one fan; tests at most as many triangles as bits in a word,
+/// which covers nearly all vertices.
 std::vector<std::uint8_t> one_fan_each(const TriangleMesh& mesh, const VertexCorners& corners) {
   std::vector<std::uint8_t> result(mesh.vertices.size());
   parallel_for(0, result.size(), 4096, [&](std::size_t v) {
@@ -134,7 +134,7 @@ void separate_fans(TriangleMesh& mesh) {
   const std::size_t n = mesh.vertices.size();
   const VertexCorners corners(mesh.triangles, n);
   const std::vector<std::uint32_t>&first = corners.first, &corner = corners.corner;
-  // All fans are found on the mesh as it is; only then are corners renamed.
+  // Finds all fans before renumbering corners.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> renamed;
   const std::vector<std::uint8_t> is_one = one_fan_each(mesh, corners);
   for (std::size_t v = 0; v < n; ++v) {

@@ -24,30 +24,30 @@ namespace {
 
 using detail::PatchTriangle;
 
-constexpr std::size_t kMostNewVertices = 200000;  // of one hole
-/// So many vertices of the border give a new one its colour.
+constexpr std::size_t kMostNewVertices = 200000;  // per hole
+/// Number of border vertices that determine the colour of a new one.
 constexpr std::size_t kOfBorder = 6;
-/// A filling that goes farther than this from the middle of its hole, in diameters, has not become fair.
+/// Largest distance of a fair filling from the centre of its hole, in diameters.
 constexpr double kFarthest = 1.5;
 constexpr double kIslandOverDiameter = 0.25;
-/// An end: steeper than this, and of at least this share of its piece and so many edges.
+/// Open ends: least steepness, least share of the component and least number of edges.
 constexpr double kSteepEnd = 0.7, kLeastEnd = 0.02;
 constexpr std::size_t kLeastEndEdges = 8;
 
-/// An edge of one triangle, in the direction of a filling.
+/// Edge of one triangle, in the direction of a filling.
 struct BorderEdge {
-  std::uint32_t from, to;  ///< places
-  std::uint32_t vertex;    ///< at `from`, of the border's triangle
-  std::uint32_t beside;    ///< third place of that triangle
-  std::uint32_t corner;    ///< as PlaceEdges has it
+  std::uint32_t from, to;  ///< representatives
+  std::uint32_t vertex;    ///< vertex of the border triangle at `from`
+  std::uint32_t beside;    ///< third corner of that triangle (representative)
+  std::uint32_t corner;    ///< as in PlaceEdges
 };
 
-/// The mesh by places.
+/// Mesh with coincident vertices identified.
 struct HoledMesh {
   const TriangleMesh& mesh;
   PlaceEdges edges;
-  std::vector<std::uint32_t> piece;  ///< of each place: its first
-  std::vector<Box3> box;             ///< of each piece
+  std::vector<std::uint32_t> piece;  ///< component of each representative: its first vertex
+  std::vector<Box3> box;             ///< bounding box per component
 
   explicit HoledMesh(const TriangleMesh& m)
       : mesh(m), edges(edges_by_place(m)), piece(m.vertices.size()), box(m.vertices.size()) {
@@ -70,7 +70,7 @@ struct HoledMesh {
   }
 };
 
-/// Of the directions into the mesh, across the edges of a loop, along the normal of the loop's plane.
+/// Mean component, along the normal of the loop's plane, of the directions from the edges of a loop into the mesh.
 double steepness_of(const HoledMesh& m, const std::vector<BorderEdge>& all, std::span<const std::uint32_t> path) {
   const auto place = [&](std::uint32_t p) { return Vec3(m.mesh.vertices[p]); };
   const Vec3 base = place(all[path[0]].from);
@@ -124,10 +124,11 @@ HoleLoops find_loops(const HoledMesh& m) {
     all.push_back({m.edges.place[end], m.edges.place[begin], end, beside, corner});
   }
   found.border_edges = all.size();
-  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> out;  // only looked up
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> out;  // for lookup only
   for (std::uint32_t i = 0; i < all.size(); ++i) out[all[i].from].push_back(i);
   std::vector<std::uint8_t> used(all.size(), 0);
-  std::unordered_map<std::uint32_t, std::size_t> on_path;  // place → which edge of the path leaves it
+  std::unordered_map<std::uint32_t, std::size_t>
+      on_path;  // representative → index of the edge of the path that starts there
   for (std::uint32_t first = 0; first < all.size(); ++first) {
     if (used[first]) continue;
     std::vector<std::uint32_t> path{first};
@@ -171,10 +172,10 @@ HoleLoops find_loops(const HoledMesh& m) {
   return found;
 }
 
-/// A filling, before it is part of the mesh.
+/// Filling that is not yet part of the mesh.
 struct HoleFilling {
   std::vector<PatchTriangle> triangles;
-  std::vector<Vec3> x;  ///< loop first, relative to the loop's first vertex
+  std::vector<Vec3> x;  ///< positions, loop first, relative to the loop's first vertex
   bool done = false;
 };
 
@@ -194,7 +195,7 @@ HoleFilling fill_one(const HoledMesh& m, const VertexCorners& corners, const std
     filling.x.push_back(Vec3(m.mesh.vertices[places[i]]) - base);
     scale[i] = edge_length[places[i]];
   }
-  // The triangles around, and of each edge of the loop the corner opposite.
+  // Surrounding triangles, and the corner opposite each edge of the loop.
   std::vector<PatchTriangle> outside;
   std::vector<Vec3> around, beside(n);
   std::set<std::uint32_t> seen;
@@ -242,7 +243,7 @@ HoleFilling fill_one(const HoledMesh& m, const VertexCorners& corners, const std
   return filling;
 }
 
-/// The edges of a filling whose ends are both of the loop, but for the loop's own.
+/// Edges of a filling between two vertices of the loop, without the loop's edges.
 std::vector<PlacePair> chords_of(const HoledMesh& m, const HoleLoop& loop, const HoleFilling& filling) {
   const auto n = static_cast<std::uint32_t>(loop.vertices.size());
   std::vector<PlacePair> chords;
@@ -256,7 +257,7 @@ std::vector<PlacePair> chords_of(const HoledMesh& m, const HoleLoop& loop, const
   return chords;
 }
 
-/// New vertices with what belongs to them, by the nearest of the loop.
+/// Appends new vertices, interpolated from the nearest vertices of the loop.
 void append_filling(TriangleMesh& mesh, const HoleLoop& loop, const HoleFilling& filling,
                     std::vector<std::uint32_t>& number) {
   const std::size_t n = loop.vertices.size(), fresh = filling.x.size() - n, share = std::min(kOfBorder, n);
@@ -302,7 +303,7 @@ void append_filling(TriangleMesh& mesh, const HoleLoop& loop, const HoleFilling&
   }
 }
 
-/// Normals of the new vertices from their triangles.
+/// Computes normals of the new vertices from their triangles.
 void set_new_normals(TriangleMesh& mesh, std::size_t first_vertex, std::size_t first_triangle) {
   if (mesh.normals.empty()) return;
   std::vector<Vec3> sum(mesh.vertices.size() - first_vertex);
@@ -316,7 +317,7 @@ void set_new_normals(TriangleMesh& mesh, std::size_t first_vertex, std::size_t f
     if (squared_norm(sum[v]) > 0) mesh.normals[first_vertex + v] = Vec3f(normalized(sum[v]));
 }
 
-/// Pieces whose middle lies near a filling.
+/// Counts components whose centre is near a filling.
 std::size_t count_islands(const HoledMesh& m, const std::vector<Vec3f>& filled,
                           const std::vector<std::uint32_t>& hole_of, const HoleLoops& found) {
   if (filled.empty()) return 0;
@@ -417,7 +418,7 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
     }
     std::vector<PlacePair> chords = chords_of(m, loops[i], fillings[i]);
     if (std::any_of(chords.begin(), chords.end(), [&](const PlacePair& c) { return taken.contains(c); })) {
-      fillings[i] = fill_one(m, corners, edge_length, loops[i], options, taken);  // beside one that it touches
+      fillings[i] = fill_one(m, corners, edge_length, loops[i], options, taken);  // conflicts with a touching hole
       chords = chords_of(m, loops[i], fillings[i]);
     }
     if (!fillings[i].done) {

@@ -19,7 +19,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kDistanceChunk = 2048;  // samples that share one chain of hints: fixed, so that results repeat
+constexpr std::size_t kDistanceChunk = 2048;  // samples per chain of hints: fixed, for reproducibility
 
 bool valid(const TriangleMesh& mesh, const Triangle& t) {
   const std::size_t n = mesh.vertices.size();
@@ -27,7 +27,7 @@ bool valid(const TriangleMesh& mesh, const Triangle& t) {
          is_finite(mesh.vertices[t[2]]);
 }
 
-/// Doubled area as a vector: the normal's direction.
+/// Normal with the length of twice the area.
 Vec3 doubled_area(const TriangleMesh& mesh, const Triangle& t) {
   const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
   return cross(b - a, c - a);
@@ -67,7 +67,7 @@ std::vector<Vec3> used_vertices(const TriangleMesh& mesh) {
   return result;
 }
 
-/// One side, ready to be asked: triangles, or points where there are none.
+/// Search structure of one side: triangles, or points if there are none.
 class Target {
  public:
   explicit Target(const TriangleMesh& mesh) : mesh_(mesh), triangles_(mesh) {
@@ -116,7 +116,8 @@ DistanceSums combine_distances(DistanceSums a, const DistanceSums& b) {
 void add_angle(const Vec3f& a, const Vec3f& b, DistanceSums& sums) {
   const double c = std::clamp(static_cast<double>(dot(a, b)), -1.0, 1.0);
   if (squared_norm(a) == 0 || squared_norm(b) == 0 || std::isnan(c)) return;
-  // For small angles from the sine: the arc cosine of a float near 1 is good to a hundredth of a degree only.
+  // The sine is accurate for small angles: the arc cosine of a float near 1 is accurate only to a hundredth of a
+  // degree.
   const double s = norm(cross(Vec3(a), Vec3(b)));
   sums.signed_angles += std::atan2(s, c);
   sums.angles += std::atan2(s, std::abs(c));
@@ -176,7 +177,7 @@ OneWayDistance measure(const Samples& samples, const std::vector<Vec3>& vertices
 struct Side {
   Target target;
   Samples samples;
-  std::vector<Vec3> vertices;  ///< asked for the maximum only
+  std::vector<Vec3> vertices;  ///< used only for the maximum
 };
 
 Side prepare(const TriangleMesh& mesh, const DistanceOptions& options, const char* name) {
@@ -187,7 +188,7 @@ Side prepare(const TriangleMesh& mesh, const DistanceOptions& options, const cha
     side.vertices = used_vertices(mesh);
   }
   if (!side.samples.positions.empty()) return side;
-  // Points, or triangles that all lack an area.
+  // Points, or only triangles without area.
   side.samples = side.target.is_points() ? all_points(mesh) : Samples{std::move(side.vertices), {}};
   side.vertices.clear();
   return side;
@@ -207,7 +208,7 @@ SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh
   const Side a = prepare(surface, options, "surface"), b = prepare(reference, options, "reference");
 
   SurfaceDistance result;
-  Box3f box;  // of what counts: vertices that no triangle uses do not
+  Box3f box;  // box of used vertices only
   for (const auto* list : {&b.samples.positions, &b.vertices})
     for (const Vec3& p : *list) box.extend(Vec3f(p));
   result.diagonal = norm(Vec3(box.size()));

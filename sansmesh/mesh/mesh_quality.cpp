@@ -30,7 +30,7 @@ void add_triangle(const Vec3& a, const Vec3& b, const Vec3& c, QualitySums& sums
   const double x = norm(b - a), y = norm(c - b), z = norm(a - c);
   if (!(area > 0) || !std::isfinite(area)) return;
   const double aspect = std::min(kLargestAspect, aspect_of(x, y, z, area));
-  // The smallest angle lies opposite the shortest edge; the tangent keeps its accuracy where the cosine is flat.
+  // The smallest angle is opposite the shortest edge; the tangent is accurate where the cosine is flat.
   const double shortest = std::min({x, y, z});
   const Vec3 u = shortest == x ? a - c : shortest == y ? b - a : c - b;
   const Vec3 v = shortest == x ? b - c : shortest == y ? c - a : a - b;

@@ -15,7 +15,7 @@ MeshSize measure_size(const TriangleMesh& mesh) {
   Box3f box;
   for (const Vec3f& v : mesh.vertices)
     if (is_finite(v)) box.extend(v);
-  // Volumes are summed relative to the middle, which loses the least to rounding.
+  // Sums volumes relative to the centre, which minimises rounding errors.
   const Vec3 middle = box.empty() ? Vec3{} : Vec3(box.center());
   const std::size_t n = mesh.vertices.size();
   return parallel_reduce(

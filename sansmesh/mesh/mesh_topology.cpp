@@ -17,17 +17,17 @@ constexpr std::size_t kTopologyChunk = 8192;
 
 bool has_area(const TriangleMesh& mesh, const Triangle& t) {
   const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-  return squared_norm(cross(b - a, c - a)) > 0;  // false for NaN, too
+  return squared_norm(cross(b - a, c - a)) > 0;  // also false for NaN
 }
 
-/// What is seen from one vertex; each edge is counted at its lower vertex.
+/// Counts at one vertex; each edge is counted at its lower vertex.
 struct Local {
   std::size_t vertices = 0, edges = 0, boundary = 0, nonmanifold_edges = 0, nonmanifold_vertices = 0, inconsistent = 0,
               open = 0;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> boundary_edges;
 };
 
-/// One triangle's part in the edge from a vertex to `other`.
+/// Edge from a vertex to `other` in one triangle.
 struct Spoke {
   std::uint32_t other, triangle;
   bool outgoing;
@@ -49,7 +49,7 @@ void look_around(std::uint32_t v, const std::vector<Triangle>& triangles, const 
   }
   std::sort(spokes.begin(), spokes.end());
 
-  // Triangles that share an edge at v are in one fan.
+  // Joins triangles that share an edge at v.
   fan.resize(count);
   std::iota(fan.begin(), fan.end(), 0u);
   const auto root = [&](std::uint32_t i) {

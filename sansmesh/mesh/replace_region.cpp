@@ -16,7 +16,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Of each vertex whether it lies in one of the boxes.
+/// For each vertex, whether it is in one of the boxes.
 std::vector<std::uint8_t> vertices_in(const std::vector<Box3f>& boxes, const TriangleMesh& mesh) {
   std::vector<std::uint8_t> result(mesh.vertices.size());
   parallel_for(0, result.size(), 4096, [&](std::size_t v) { result[v] = any_contains(boxes, mesh.vertices[v]); });
@@ -31,7 +31,7 @@ Box3f box_of(const TriangleMesh& mesh, const Triangle& t) {
   return b;
 }
 
-/// The triangle with its least vertex first: the same whichever corner it began with.
+/// Rotates the least vertex to the front, as a canonical form.
 Triangle rotated(const Triangle& t) {
   if (t[0] < t[1] && t[0] < t[2]) return t;
   if (t[1] < t[2]) return {t[1], t[2], t[0]};
@@ -47,7 +47,7 @@ struct TriangleHash {
   }
 };
 
-/// For each vertex of the patch the one of the mesh at the same place; kNoVertex where there is none.
+/// Coincident vertex of the mesh for each vertex of the patch; kNoVertex if there is none.
 std::vector<std::uint32_t> same_vertices(const TriangleMesh& mesh, const TriangleMesh& patch,
                                          const std::vector<std::uint8_t>& in, float tolerance) {
   std::vector<Vec3f> near;
@@ -57,7 +57,7 @@ std::vector<std::uint32_t> same_vertices(const TriangleMesh& mesh, const Triangl
   std::vector<std::uint32_t> same(patch.vertices.size(), kNoVertex);
   if (near.empty()) return same;
   const KdTree tree(near);
-  // One to one: where triangles are smaller than the tolerance the nearest pair wins.
+  // One-to-one: if triangles are smaller than the tolerance, the nearest pair wins.
   std::vector<std::uint32_t> taken(near.size(), kNoVertex);
   std::vector<float> distance(near.size(), std::numeric_limits<float>::infinity());
   for (std::size_t v = 0; v < same.size(); ++v) {
@@ -72,7 +72,7 @@ std::vector<std::uint32_t> same_vertices(const TriangleMesh& mesh, const Triangl
   return same;
 }
 
-/// A triangle of either mesh that the other one does not have.
+/// Triangle of one mesh that the other does not have.
 struct Single {
   std::uint32_t triangle;
   bool of_patch;
@@ -115,13 +115,13 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
   if (result.agreement < least_agreement) return result;
   for (const std::uint32_t i : in_box)
     if (!shared.count(i)) singles.push_back({i, false});
-  // Triangles of the mesh that cross the border of the box are only of interest as what a piece must not reach.
+  // Triangles of the mesh across the border of the box matter only as a limit that pieces must not reach.
   std::vector<std::uint8_t> rim(mesh.vertices.size(), 0);
   for (const Triangle& t : mesh.triangles)
     if (!inside(mesh_in, t))
       for (const std::uint32_t v : t) rim[v] = 1;
 
-  // Pieces: singles that share a vertex, whichever mesh they belong to.
+  // Pieces: unmatched triangles of either mesh connected by common vertices.
   const std::size_t n = mesh.vertices.size();
   UnionFind pieces(singles.size());
   std::unordered_map<std::size_t, std::uint32_t> first_at;
@@ -148,7 +148,7 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
       for (const std::uint32_t v : mesh.triangles[s.triangle]) spoiled[piece] |= rim[v];
     }
   }
-  // Pieces that reach out stay as they are, and with them all changes that they touch are not done.
+  // Pieces that extend beyond the region stay unchanged, and so do all changes that they touch.
   result.spoiled.assign(changed.size(), 0);
   for (std::size_t i = 0; i < singles.size(); ++i) {
     const std::uint32_t piece = pieces.find(static_cast<std::uint32_t>(i));
@@ -160,7 +160,7 @@ RegionReplacement replace_region(TriangleMesh& mesh, const TriangleMesh& patch, 
   }
   result.done = std::find(result.spoiled.begin(), result.spoiled.end(), 1) == result.spoiled.end();
 
-  // Exchange.
+  // Exchanges the pieces.
   std::vector<std::uint8_t> keep(mesh.triangles.size(), 1);
   std::vector<std::uint32_t> new_number(patch.vertices.size(), kNoVertex), new_vertices;
   for (std::size_t v = 0; v < same.size(); ++v) new_number[v] = same[v];

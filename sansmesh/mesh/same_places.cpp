@@ -10,7 +10,7 @@ namespace {
 std::uint64_t place_key(const Vec3f& p) {
   std::uint64_t key = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const float value = p[k] + 0.0f;  // turns -0 into 0
+    const float value = p[k] + 0.0f;  // turns −0 into 0
     std::uint32_t bits;
     std::memcpy(&bits, &value, sizeof bits);
     key = (key ^ bits) * 0x9E3779B97F4A7C15u;
@@ -29,7 +29,7 @@ std::vector<std::uint32_t> first_at_place(std::span<const Vec3f> positions) {
   parallel_sort(order);
   std::vector<std::uint32_t> first(positions.size());
   for (std::size_t i = 0, group = 0; i < order.size(); ++i) {
-    // Different places with the same key (one pair in 2^64) are only not joined.
+    // Different positions with the same key (one pair in 2^64) are merely not joined.
     if (order[i].key != order[group].key || !(positions[order[i].index] == positions[order[group].index])) group = i;
     first[order[i].index] = order[group].index;
   }

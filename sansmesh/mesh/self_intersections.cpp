@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kTrianglesOfLeaf = 4;
 
-/// Triangles along a curve that fills space, under a tree of boxes: node i has the children 2i and 2i + 1.
+/// Triangles in the order of a space-filling curve, with a tree of boxes: node i has the children 2i and 2i + 1.
 struct BoxesOfTriangles {
   std::vector<std::uint32_t> order;
   std::vector<Box3f> box;
@@ -57,7 +57,7 @@ bool overlap(const Box3f& a, const Box3f& b) {
   return true;
 }
 
-/// Whether the segment goes through the inside of the triangle.
+/// Whether the segment passes through the interior of the triangle.
 bool goes_through(const Vec3& p, const Vec3& q, const std::array<Vec3, 3>& t, double tolerance) {
   const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
   const double size = norm(normal);
@@ -81,7 +81,7 @@ std::size_t chunks_of(const TriangleMesh& mesh) {
   return (mesh.triangles.size() + kTrianglesOfLeaf * kChunkOfBoxes - 1) / (kTrianglesOfLeaf * kChunkOfBoxes);
 }
 
-/// Calls found(chunk, a, b) for each pair, one at a time for each chunk, and for several chunks at once.
+/// Calls found(chunk, a, b) for each pair: sequentially within a chunk, concurrently for several.
 template <class Found>
 void for_each_crossing(const TriangleMesh& mesh, double tolerance, const Found& found) {
   const std::size_t n = mesh.triangles.size();
@@ -107,7 +107,7 @@ void for_each_crossing(const TriangleMesh& mesh, double tolerance, const Found& 
     }
     return false;
   };
-  // The triangles of a leaf together, and of the tree only what comes after them.
+  // Tests the triangles of a leaf together, against later leaves only.
   const std::size_t leaves = (n + kTrianglesOfLeaf - 1) / kTrianglesOfLeaf;
   parallel_for(0, chunks_of(mesh), 1, [&](std::size_t c) {
     const auto compare = [&](std::size_t leaf, std::size_t other) {
@@ -127,7 +127,7 @@ void for_each_crossing(const TriangleMesh& mesh, double tolerance, const Found& 
     for (std::size_t leaf = c * kChunkOfBoxes; leaf < std::min(leaves, (c + 1) * kChunkOfBoxes); ++leaf) {
       const Box3f& own = tree.box[tree.leaves + leaf];
       compare(leaf, leaf);
-      // Up from the leaf: what is on the right of the way.
+      // Traverses the tree upwards from the leaf, visiting right siblings.
       for (std::size_t node = tree.leaves + leaf; node > 1; node /= 2) {
         if (node % 2 != 0) continue;
         open.assign(1, node + 1);

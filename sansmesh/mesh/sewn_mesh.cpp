@@ -21,7 +21,7 @@ std::uint64_t seam_key(std::uint32_t a, std::uint32_t b) {
   return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }
 
-/// Edges of one triangle.
+/// Edges of exactly one triangle.
 std::vector<SeamEdge> seam_edges(const std::vector<Triangle>& triangles) {
   std::vector<KeyIndex> edges(3 * triangles.size());
   parallel_for(0, triangles.size(), kSewnChunk, [&](std::size_t i) {
@@ -57,7 +57,7 @@ SewnMesh sewn_mesh(const TriangleMesh& mesh) {
     if (has_own_corners(mesh, t)) sewn.triangles.push_back(t);
 
   const std::vector<SeamEdge> borders = seam_edges(sewn.triangles);
-  // Only their ends can be joined.
+  // Only the ends of these edges can be joined.
   std::vector<std::uint32_t> ends;
   ends.reserve(2 * borders.size());
   for (const SeamEdge& e : borders) ends.insert(ends.end(), e.begin(), e.end());
@@ -85,7 +85,7 @@ SewnMesh sewn_mesh(const TriangleMesh& mesh) {
       same.join(a, c), same.join(b, d);
     }
   }
-  // The vertex with the least number stands for all of them.
+  // The vertex with the least index represents its set.
   for (std::uint32_t i = 0; i < ends.size(); ++i) result.joined += same.find(i) != i;
   if (result.joined > 0) {
     std::vector<std::uint32_t> name(mesh.vertices.size());

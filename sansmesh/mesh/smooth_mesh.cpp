@@ -23,23 +23,23 @@ namespace {
 
 constexpr int kMostIterations = 10000;
 constexpr int kUsualIterations = 10, kUsualRounds = 8;
-/// With longer steps the filter would blow up waves of two edges.
+/// With longer steps the filter would amplify waves of two edges.
 constexpr double kMostStrength = 0.65;
-/// Frequencies below this (of at most 2) pass.
+/// Pass band: lower frequencies (of at most 2) are kept.
 constexpr double kPassBand = 0.1;
-/// Of the frequency that is halved, that which passes unchanged; and what then halves it.
+/// Ratio of the pass-band limit to the halved frequency, and exponent that halves it.
 constexpr double kPassOverHalf = 1.0 / 3;
 constexpr double kHalving = 0.6931 / 6;
-/// Bounds of a cotangent: a sliver must not outweigh all others.
+/// Bounds of a cotangent: limit the influence of slivers.
 constexpr double kLeastCotangent = 0.05, kMostCotangent = 5;
-/// Rounds in which vertices follow the normals of their triangles.
+/// Rounds in which vertices are fitted to the normals of their triangles.
 constexpr int kFollowRounds = 20;
-/// Angle of a crease over the noise of the angles between triangles, and its bounds in degrees.
+/// Ratio of the crease angle to the noise of angles between triangles, and its bounds in degrees.
 constexpr double kCreaseOverNoise = 2.5, kLeastCrease = 12, kMostCrease = 35;
-/// The volume is corrected again where this share was missing, so often at most, until this is.
+/// Volume correction: repeated if this share is missing, until this tolerance, up to a limit of rounds.
 constexpr double kFewPercent = 0.03, kKeptVolume = 1e-6;
 constexpr int kMostCorrections = 60;
-/// Mean square of the sine between a direction and the planes around a vertex, from which on the vertex moves along it.
+/// Least mean squared sine between a direction and the planes around a vertex for moving the vertex in that direction.
 constexpr double kLeastTurn = 0.02;
 constexpr double kRadians = std::numbers::pi / 180;
 
@@ -49,14 +49,14 @@ double cotangent_at(const Vec3& corner, const Vec3& a, const Vec3& b) {
   return sine > 0 ? std::clamp(dot(u, v) / sine, kLeastCotangent, kMostCotangent) : kLeastCotangent;
 }
 
-/// The mesh by places, with what every way of smoothing asks of it.
+/// Mesh with coincident vertices identified, and data common to all filters.
 struct SmoothState {
   TriangleMesh& mesh;
   PlaceEdges edges;
   Vec3 middle;
-  std::vector<Vec3> x, start;  // of each place, relative to `middle`
+  std::vector<Vec3> x, start;  // positions of the representatives, relative to `middle`
   std::vector<std::uint8_t> used, border, stays;
-  // Neighbours of each place, with their weights; of a border that moves only those on it.
+  // Neighbours of each representative with weights; for moving borders only those on the border.
   std::vector<std::uint32_t> first, neighbour;
   std::vector<double> weight;
 
@@ -135,7 +135,7 @@ double mean_length(const SmoothState& s) {
   return s.edges.edges.empty() ? 0 : sum / static_cast<double>(s.edges.edges.size());
 }
 
-/// Mean square of the distances to the neighbours, as they are weighted.
+/// Weighted mean square of the distances to the neighbours.
 double mean_square_reach(const SmoothState& s) {
   double sum = 0;
   std::size_t count = 0;
@@ -150,8 +150,8 @@ double mean_square_reach(const SmoothState& s) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-/// How each vertex moves when the planes of its triangles move outward by one: along the normal, and farther where they
-/// form a crease. Across directions in which these hardly differ nothing is known, and nothing moves.
+/// Displacement of each vertex if the planes of its triangles move outward by one: along the normal, and farther at
+/// creases. No displacement in directions that the planes do not determine.
 std::vector<Vec3> steps_of_planes(const SmoothState& s) {
   struct Sums {
     Vec3 a, b, c, right;
@@ -179,9 +179,9 @@ std::vector<Vec3> steps_of_planes(const SmoothState& s) {
   return steps;
 }
 
-/// The parts of a mesh that hang together, and which of them still lack volume.
+/// Components of the mesh, and the components that still lack volume.
 struct Bodies {
-  std::vector<std::uint32_t> of;  // of each place
+  std::vector<std::uint32_t> of;  // component of each representative
   std::vector<std::uint8_t> lacks;
 
   explicit Bodies(const SmoothState& s) : of(s.x.size()) {
@@ -191,15 +191,15 @@ struct Bodies {
     for (std::size_t v = 0; v < s.x.size(); ++v) {
       std::uint32_t& own = number[joined.find(static_cast<std::uint32_t>(v))];
       if (own == 0 && s.used[v]) lacks.push_back(1), own = static_cast<std::uint32_t>(lacks.size());
-      of[v] = own;  // 0: no triangle's
+      of[v] = own;  // 0: not used by a triangle
     }
     lacks.insert(lacks.begin(), 0);
   }
 };
 
-/// Moves the vertices of each body that lacks volume by the same distance along the normals, or with `creases` the
-/// planes of its triangles, so that the volume becomes what it was, to first order. Those that missed a smaller share
-/// than `kept` before do not lack it any more.
+/// Moves the vertices of each component that lacks volume by the same distance along the normals (with `creases`, along
+/// the planes of its triangles), which restores the volume to first order. Components that lacked a smaller share than
+/// `kept` are finished.
 void restore_volumes_once(SmoothState& s, const std::vector<Vec3>& before, bool creases, double kept, Bodies& bodies) {
   std::vector<Vec3> gradient(s.x.size());
   std::vector<double> lost(bodies.lacks.size(), 0), wanted(lost), sum(lost);
@@ -230,8 +230,8 @@ void restore_volumes_once(SmoothState& s, const std::vector<Vec3>& before, bool 
     if (bodies.lacks[b] && std::abs(lost[b] / wanted[b]) < kept) bodies.lacks[b] = 0;
 }
 
-/// Each body by itself: what a noisy one loses is not another's. Once is enough for fine meshes; coarse ones lose so
-/// much that the first step goes far too far.
+/// Restores each component separately, since the loss depends on its noise. One step suffices for fine meshes; coarse
+/// ones lose so much that the first step overshoots.
 void restore_volume(SmoothState& s, const std::vector<Vec3>& before, bool creases) {
   Bodies bodies(s);
   restore_volumes_once(s, before, creases, kFewPercent, bodies);
@@ -247,7 +247,7 @@ void filter_waves(SmoothState& s, const SmoothOptions& options, bool closed, Smo
   const double there = options.strength;
   s.find_neighbours();
   if (const double reach = mean_square_reach(s); options.shorter_than && reach > 0) {
-    // Of a wave: Σ w (1 − cos(ω·d)) on the mean over all directions.
+    // Response of a wave: Σ w (1 − cos(ω·d)), averaged over all directions.
     const double half = std::min(std::pow(std::numbers::pi / *options.shorter_than, 2) * reach, 0.9);
     pass = kPassOverHalf * half;
     const double back = 1 / (1 / there - pass);
@@ -267,7 +267,7 @@ void filter_waves(SmoothState& s, const SmoothOptions& options, bool closed, Smo
   if (closed) restore_volume(s, s.start, false);
 }
 
-/// Triangles that share a vertex, and their normals.
+/// Adjacent triangles, by common vertices, and their normals.
 struct FaceNormals {
   std::vector<std::uint32_t> first, around;
   std::vector<Vec3> normal, center;
@@ -286,8 +286,7 @@ struct FaceNormals {
   }
 };
 
-/// Of the angles between the normals of triangles with an edge in common: the median is noise, as long as most edges
-/// are no creases.
+/// The median angle between triangles with a common edge is noise, as long as most edges are not creases.
 double crease_from_noise(const SmoothState& s, const FaceNormals& faces) {
   std::vector<double> angles;
   for (const PlaceEdges::Edge& e : s.edges.edges) {
@@ -330,7 +329,7 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
         for (const std::uint32_t v : by_place[i])
           for (std::uint32_t c = corners.first[v]; c < corners.first[v + 1]; ++c) {
             const std::uint32_t j = corners.corner[c] / 3;
-            // A triangle beside an edge comes twice, by both of its vertices: the nearer one counts more.
+            // A triangle that shares an edge occurs twice, at both of its vertices, and so has a larger weight.
             if (j == i || faces.area[j] == 0) continue;
             const double there = squared_norm(faces.center[j] - faces.center[i]) / (2 * reach * reach);
             const double turned = squared_norm(faces.normal[j] - faces.normal[i]) / (2 * width * width);
@@ -414,7 +413,7 @@ SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progr
   SmoothState s(mesh);
   s.find_borders(options.borders);
   report.mean_edge = mean_length(s);
-  // Seams are no holes: of the mesh by its places.
+  // Seams are not boundaries: measures the mesh with coincident vertices joined.
   const auto measure = [&](double& area) {
     TriangleMesh joined;
     joined.vertices = mesh.vertices;

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kWeldChunk = 8192;
 
-/// Normals and colours of the vertices that are left, `group` says who becomes which of them.
+/// Averages normals and colours; `group` maps old to new vertices.
 void mix_directions_and_colors(TriangleMesh& mesh, const std::vector<std::uint32_t>& group, std::size_t groups) {
   if (!mesh.normals.empty()) {
     std::vector<Vec3> sums(groups);
@@ -27,8 +27,8 @@ void mix_directions_and_colors(TriangleMesh& mesh, const std::vector<std::uint32
     mesh.normals.resize(groups);
     for (std::size_t g = 0; g < groups; ++g) {
       if (counts[g] == 1)
-        mesh.normals[g] = Vec3f(sums[g]);  // to the bit
-      else                                 // what cancels out but for rounding has no direction
+        mesh.normals[g] = Vec3f(sums[g]);  // bit-identical
+      else                                 // directions that cancel up to rounding give zero
         mesh.normals[g] = norm(sums[g]) > 1e-3 ? Vec3f(normalized(sums[g])) : Vec3f{};
     }
   }
@@ -46,7 +46,7 @@ void mix_directions_and_colors(TriangleMesh& mesh, const std::vector<std::uint32
   }
 }
 
-/// As MeshTopology::nonmanifold_edges has them.
+/// Same count as MeshTopology::nonmanifold_edges.
 std::size_t edges_of_three_or_more(const TriangleMesh& mesh) {
   const std::size_t n = mesh.vertices.size();
   std::vector<Triangle> triangles;
@@ -58,7 +58,7 @@ std::size_t edges_of_three_or_more(const TriangleMesh& mesh) {
       n, kWeldChunk, std::size_t{0},
       [&](std::size_t first, std::size_t last) {
         std::size_t count = 0;
-        std::vector<std::uint32_t> above;  // the other ends, for each triangle, of edges whose lower end is v
+        std::vector<std::uint32_t> above;  // other ends, per triangle, of the edges with lower end v
         for (std::size_t v = first; v < last; ++v) {
           above.clear();
           for (std::uint32_t c = corners.first[v]; c < corners.first[v + 1]; ++c)
@@ -86,7 +86,7 @@ WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
       group[v] = static_cast<std::uint32_t>(kept.size());
       kept.push_back(v);
     } else {
-      group[v] = group[first[v]];  // which stands before it
+      group[v] = group[first[v]];  // an earlier vertex
     }
   }
   WeldReport report;
