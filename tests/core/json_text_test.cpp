@@ -1,4 +1,4 @@
-// Errors of JSON in our own words.
+// Error messages for invalid JSON.
 #include "sansmesh/core/json_text-inl.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Words that a mistyped one looks like.
+// Similar words for mistyped ones.
 #include "sansmesh/core/similar_words.h"
 
 #include <gtest/gtest.h>

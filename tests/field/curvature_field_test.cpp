@@ -68,10 +68,10 @@ TEST(FieldCurvature, OfATorusIsTheFormula) {
     ASSERT_TRUE(found[i].defined);
     EXPECT_NEAR(static_cast<double>(found[i].k1), 1 / kTube, 2e-3);
     EXPECT_NEAR(static_cast<double>(found[i].k2), parallel[i], 2e-3);
-    // The parallel runs around the axis.
+    // The parallel is around the axis.
     const Vec3 around = normalized(Vec3{-x[i].y, x[i].x, 0});
     EXPECT_NEAR(std::abs(dot(Vec3(found[i].direction2), around)), 1, 1e-3);
-    // Seen from inside it is hollow.
+    // Seen from inside, it is concave.
     EXPECT_NEAR(behind[i].k1, -found[i].k2, 1e-4f);
     EXPECT_NEAR(behind[i].k2, -found[i].k1, 1e-4f);
   }

@@ -1,4 +1,4 @@
-// Scans that do not fit together: found, told, and moved.
+// Detection, report and correction of misaligned scans.
 #include "sansmesh/points/align_scans.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A bumpy ball: its shape determines every motion.
+/// A bumpy ball whose shape determines all six motions.
 Vec3 bumpy(const Vec3& direction) {
   const Vec3& d = direction;
   return d * (1 + 0.15 * std::sin(4 * d.x + 1) + 0.12 * std::cos(5 * d.y) + 0.1 * std::sin(3 * d.z + 2 * d.x));
@@ -32,7 +32,7 @@ Vec3 bumpy_normal(const Vec3& d) {
 
 constexpr double kSpacing = 0.025;
 
-/// What `scans` scanners around it see of it, a quarter of the way round from each other or less.
+/// Views of `scans` scanners around it, at most a quarter turn apart.
 PointSet seen_from(std::size_t scans, double noise, unsigned seed = 1) {
   std::mt19937 random(seed);
   std::normal_distribution<double> gauss;
@@ -54,7 +54,7 @@ PointSet seen_from(std::size_t scans, double noise, unsigned seed = 1) {
   return cloud;
 }
 
-/// Turned by half a degree about an axis through its middle, and shifted by two spacings.
+/// Rotation by half a degree about an axis through the centre, and a shift by two spacings.
 RigidMotion half_a_degree(const Vec3& axis, const Vec3& direction) {
   const double angle = 0.5 * std::numbers::pi / 180;
   const Vec3 a = normalized(axis);
@@ -64,9 +64,9 @@ RigidMotion half_a_degree(const Vec3& axis, const Vec3& direction) {
   return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), normalized(direction) * (2 * kSpacing)};
 }
 
-/// Root mean square distance of samples from where they truly are, as seen from scan 0.
+/// Root mean square error of sample positions relative to scan 0.
 double farthest_off(const PointSet& truth, const PointSet& moved) {
-  std::size_t far = 0, side = 0;  // with sample 0, three of scan 0 that span a frame
+  std::size_t far = 0, side = 0;  // three samples of scan 0 that span a frame, with sample 0
   const auto from_first = [&](const PointSet& p, std::size_t i) { return Vec3(p.positions[i]) - Vec3(p.positions[0]); };
   while (norm(from_first(truth, far)) < 1) ++far;
   while (norm(cross(normalized(from_first(truth, far)), from_first(truth, side))) < 0.7) ++side;
@@ -140,7 +140,7 @@ TEST(AlignScans, ScansThatFitAreLeftAlone) {
   }
 }
 
-/// One that is bent by more than its noise: it cannot be brought onto the others, and is not moved about for nothing.
+/// A scan warped by more than its noise cannot be aligned with the others and stays unchanged.
 TEST(AlignScans, TellsWarpedScansFromMisalignedOnes) {
   SANSMESH_NOT_SANITIZED("judges a choice; others align scans, too");
   Progress progress;
@@ -162,7 +162,7 @@ TEST(AlignScans, TellsWarpedScansFromMisalignedOnes) {
   EXPECT_NE(plain.warnings[0].find("warped"), std::string::npos);
 }
 
-/// Both sides of a plate, three spacings thick, each seen by one scanner: they have no surface in common.
+/// Both sides of a plate, three spacings thick, each seen by one scanner, have no surface in common.
 TEST(AlignScans, DoesNotPullTheSidesOfAPlateTogether) {
   Progress progress;
   std::mt19937 random(2);
