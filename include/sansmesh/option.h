@@ -240,7 +240,7 @@ using FieldOr = typename ChooseField<Words, T>::type;
 
 }  // namespace schema_detail
 
-/// Makes the row of a field: `option<&SmoothOptions::strength>({.text = "How far a round goes", .range =
+/// Makes the row of a field: `option<&SmoothOptions::strength>({.text = "Step length of a round", .range =
 /// positive(0.65)})`. `Words` reads and writes a field whose type has no Field: a struct with `kind`, `get` and `from`
 /// as in Field.
 template <auto member, class Words = void>

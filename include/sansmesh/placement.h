@@ -109,7 +109,7 @@ struct SANSMESH_API AffineMap {
 /// any map), scanners, grid normals. A mirroring map also reverses the triangles, so that the outside stays outside.
 /// The origin moves in double; a pure translation changes nothing else and loses no digit. Attributes stay unchanged.
 /// Throws ArgumentError, before any change, as `inverse`, and for maps that are not finite, move positions beyond 1e18
-/// or shrink all lengths below 1e-18.
+/// or shrink all lengths below 1e-12.
 SANSMESH_API void transform(PointSet& points, const AffineMap& map);
 /// Same, for a mesh.
 SANSMESH_API void transform(TriangleMesh& mesh, const AffineMap& map);

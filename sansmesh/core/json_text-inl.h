@@ -26,15 +26,15 @@ inline std::string json_error(std::string_view text, const nlohmann::json::parse
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) return "is not JSON: it is blank";
   if (error.byte > text.size()) {
     const std::string_view all = text.substr(0, text.find_last_not_of(" \t\r\n") + 1);
-    return "is not JSON: it ends too early, at " + json_place(text, all.size());
+    return "is not JSON: it ends unexpectedly at " + json_place(text, all.size());
   }
   const std::string what = error.what(), place = json_place(text, error.byte);
   const char c = error.byte > 0 ? text[error.byte - 1] : ' ';
   if (what.find("ill-formed UTF-8") != std::string::npos)
-    return fmt::format("is not JSON: {} is a byte that is not UTF-8", place);
+    return fmt::format("is not JSON: {} is not valid UTF-8", place);
   if (what.find("control character") != std::string::npos)
-    return fmt::format("is not JSON: at {} a text breaks off, or holds a control character", place);
-  return fmt::format("is not JSON: '{}' at {} is not what belongs there", printable(std::string_view(&c, 1)), place);
+    return fmt::format("is not JSON: at {} a string is unterminated or contains a control character", place);
+  return fmt::format("is not JSON: unexpected '{}' at {}", printable(std::string_view(&c, 1)), place);
 }
 
 /// `look` receives the parser's events (nlohmann's callback). Throws ArgumentError, with the location, if the text is
@@ -46,7 +46,7 @@ Json parse_json(std::string_view text, const typename Json::parser_callback_t& l
   } catch (const nlohmann::json::parse_error& error) {
     throw ArgumentError(json_error(text, error));
   } catch (const nlohmann::json::out_of_range&) {
-    throw ArgumentError("holds a number that is too large");
+    throw ArgumentError("contains a number that is too large");
   }
 }
 

@@ -37,9 +37,9 @@ void check_reach(const std::vector<Vec3f>& positions, const Vec3& origin, const 
   for (const Vec3f& p : positions) farthest = std::fmax(farthest, norm(Vec3(p)));
   const double length = norm(map.x) + norm(map.y) + norm(map.z);
   if (!(farthest * length + norm(map(origin)) <= kLargestCoordinate))
-    throw ArgumentError("a transformation throws positions beyond 1e18");
+    throw ArgumentError("a transformation moves positions beyond 1e18");
   if (farthest > kSmallestExtent && !(farthest * length > kSmallestExtent))
-    throw ArgumentError("a transformation shrinks everything to less than 1e-12");
+    throw ArgumentError("a transformation shrinks all lengths below 1e-12");
 }
 
 void turn_positions(std::vector<Vec3f>& positions, const AffineMap& map) {

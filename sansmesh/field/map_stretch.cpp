@@ -209,7 +209,7 @@ Box3 box_before(const SpaceMap& map, const Box3& source, std::optional<Box3> nea
     for (std::size_t face = 0; face < 6; ++face)
       if (met[face]) (face % 2 ? box.upper : box.lower)[face / 2] += face % 2 ? step : -step;
     if (round == kMostGrowth || box.diagonal() > kFarthest * source.diagonal())
-      throw DataError("the deformation leaves no end: places ever farther away show what is to be deformed");
+      throw DataError("the deformed object has no bounds: points at any distance map into the original");
   }
   // Cells that may map into the source.
   const Vec3 step = box.size() * (1.0 / kBoxCells);
@@ -230,7 +230,7 @@ Box3 box_before(const SpaceMap& map, const Box3& source, std::optional<Box3> nea
     }
   // Cells crossed by a cut map differently from their centres.
   if (!tight.empty() && map.has_gaps()) tight = {tight.lower - step, tight.upper + step};
-  if (tight.empty()) throw DataError("the deformation leaves nothing: no place shows what is to be deformed");
+  if (tight.empty()) throw DataError("the deformed object is empty: no point maps into the original");
   return tight;
 }
 

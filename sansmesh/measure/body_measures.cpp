@@ -194,7 +194,7 @@ constexpr ReportRow kBodyMeasuresRows[] = {
     reported<&BodyMeasures::closed>({.text = "Whether the triangles enclose a volume"}),
     reported<&BodyMeasures::boundary_edges>({.text = "Edges of one triangle"}),
     reported<&BodyMeasures::open_edges>(
-        {.text = "Edges that more triangles run through in one direction than in the other"}),
+        {.text = "Edges that triangles traverse more often in one direction than in the other"}),
     reported<&BodyMeasures::nonmanifold_edges>({.text = "Edges of three triangles or more"}),
     reported<&BodyMeasures::area>({.text = "Area", .unit = "length²"}),
     reported<&BodyMeasures::surface_center>({.text = "Mean of the surface's points", .unit = "length"}),

@@ -217,7 +217,7 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
   const OrientedPoints many_moving = thinned(samples.moving, kOfFit), many_fixed = thinned(samples.fixed, kOfFit);
   std::vector<FoundPose> found;
 
-  progress.begin("turn every way", kRotations);
+  progress.begin("try rotations", kRotations);
   {
     std::vector<FoundPose> turned(kRotations + 4);
     const std::vector<Pose> principal = principal_rotations(samples.moving, samples.fixed);
@@ -240,7 +240,7 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
     found = std::move(turned);
   }
 
-  progress.begin("look for like places");
+  progress.begin("match features");
   for (const double sign : {1.0, -1.0}) {
     if (sign < 0 && samples.signs) break;  // the sides are known
     OrientedPoints flipped = samples.moving;
@@ -253,7 +253,7 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
     found.insert(found.end(), of_pairs.begin(), of_pairs.end());
   }
 
-  progress.begin("try the best of them", found.size());
+  progress.begin("refine poses", found.size());
   FitOptions fit;
   fit.iterations = 25;
   fit.reach = 2 * kCoarseReach * spacing;

@@ -293,7 +293,7 @@ AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit
   // The sample spacing is derived from the larger surface: the smaller one may have a single sample.
   if (!(side.radius > 0))
     throw DataError(std::string("the ") + name +
-                    " surface is too small beside the other (`find_scale` finds a factor)");
+                    " surface is too small relative to the other (`find_scale` estimates the scale)");
   return side;
 }
 

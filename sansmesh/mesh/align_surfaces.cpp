@@ -113,16 +113,17 @@ const OptionSchema& SurfaceAlignmentOptions::schema() {
   using O = SurfaceAlignmentOptions;
   static constexpr std::string_view starts[] = {"auto", "here", "anywhere"};
   static constexpr OptionRow rows[] = {
-      option<&O::start>({.text =
-                             "Where the search starts: here, as it lies; anywhere, every way round; auto, here, and "
-                             "anywhere if that does not lead to a good fit",
+      option<&O::start>({.text = "Start of the search: here, the given pose; anywhere, all rotations; auto, here, and "
+                                 "anywhere if the fit is poor",
                          .unit = "choice",
                          .choices = starts,
                          .name = "from"}),
-      option<&O::find_scale>({.text = "Find one factor for all lengths, too", .old_name = "scale"}),
-      option<&O::samples>(
-          {.text = "Samples of what moves that are compared", .range = {100, 10'000'000}, .name = "align_samples"}),
-      option<&O::iterations>({.text = "Steps of a search at most", .range = {1, 1000}, .name = "align_iterations"})};
+      option<&O::find_scale>({.text = "Also estimate a uniform scale", .old_name = "scale"}),
+      option<&O::samples>({.text = "Samples of the moving surface that are compared",
+                           .range = {100, 10'000'000},
+                           .name = "align_samples"}),
+      option<&O::iterations>(
+          {.text = "Largest number of steps of a search", .range = {1, 1000}, .name = "align_iterations"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -286,31 +287,29 @@ constexpr ReportRow kSurfaceAlignmentRows[] = {
     reported<[](const SurfaceAlignment& r) { return r.motion.axis(); }>(
         {.name = "axis", .text = "Axis of the rotation"}),
     reported<[](const SurfaceAlignment& r) { return r.motion.scale; }>(
-        {.name = "scale", .text = "Factor of all lengths", .unit = "factor"}),
+        {.name = "scale", .text = "Uniform scale", .unit = "factor"}),
     reported<[](const SurfaceAlignment& r) { return r.motion.to - r.motion.from; }>(
-        {.name = "shift_of_middle", .text = "Where the middle went", .unit = "length"}),
+        {.name = "shift_of_middle", .text = "Displacement of the centre", .unit = "length"}),
     reported<&SurfaceAlignment::moved>(
-        {.name = "moved_rms", .text = "How far all of it was moved, root mean square", .unit = "length"}),
-    reported<&SurfaceAlignment::rms>({.text = "Root mean square of the distances after", .unit = "length"}),
-    reported<&SurfaceAlignment::median>({.text = "Half of the distances are below this after", .unit = "length"}),
-    reported<&SurfaceAlignment::p95>({.text = "95 % of the distances are below this after", .unit = "length"}),
-    reported<&SurfaceAlignment::median_before>(
-        {.text = "Half of the distances were below this before", .unit = "length"}),
-    reported<&SurfaceAlignment::overlap>(
-        {.text = "Share of the samples that lie on the fixed surface", .unit = "share"}),
-    reported<&SurfaceAlignment::reach>({.text = "Distance within which they do", .unit = "length"}),
+        {.name = "moved_rms", .text = "Displacement of the samples, root mean square", .unit = "length"}),
+    reported<&SurfaceAlignment::rms>({.text = "Root mean square distance after alignment", .unit = "length"}),
+    reported<&SurfaceAlignment::median>({.text = "Median distance after alignment", .unit = "length"}),
+    reported<&SurfaceAlignment::p95>({.text = "95 % quantile of the distances after alignment", .unit = "length"}),
+    reported<&SurfaceAlignment::median_before>({.text = "Median distance before alignment", .unit = "length"}),
+    reported<&SurfaceAlignment::overlap>({.text = "Share of the samples on the fixed surface", .unit = "share"}),
+    reported<&SurfaceAlignment::reach>({.text = "Largest distance of samples on the fixed surface", .unit = "length"}),
     reported<&SurfaceAlignment::differing>(
-        {.name = "differing_share", .text = "Share of the samples at which the shapes differ", .unit = "share"}),
-    reported<&SurfaceAlignment::differing_by>({.text = "Median of that difference", .unit = "length"}),
+        {.name = "differing_share", .text = "Share of the samples where the shapes differ", .unit = "share"}),
+    reported<&SurfaceAlignment::differing_by>({.text = "Median difference there", .unit = "length"}),
     reported<&SurfaceAlignment::mirror_image_fits>({.text = "Whether the mirror image fits instead"}),
-    reported<&SurfaceAlignment::samples>({.text = "Samples that were compared"}),
+    reported<&SurfaceAlignment::samples>({.text = "Number of compared samples"}),
     reported<&SurfaceAlignment::iterations>({.text = "Steps of the last search", .unit = "steps"}),
-    reported<&SurfaceAlignment::start>({.name = "from", .text = "Where the search began", .choices = kStartWords}),
+    reported<&SurfaceAlignment::start>({.name = "from", .text = "Start of the search", .choices = kStartWords}),
     reported<[](const SurfaceAlignment& r) { return told_if(r.searched, r.alternatives); }>(
-        {.name = "alternatives", .text = "Other poses that fit as well; nothing where they were not looked for"}),
+        {.name = "alternatives", .text = "Other poses with the same fit; absent if they were not searched for"}),
     reported<&SurfaceAlignment::alternative_angles>(
-        {.name = "alternative_angles_deg", .text = "Angles to these", .unit = "degrees"}),
-    reported<&SurfaceAlignment::free_motions>({.text = "Motions that the surfaces do not tell"})};
+        {.name = "alternative_angles_deg", .text = "Rotation angles to the other poses", .unit = "degrees"}),
+    reported<&SurfaceAlignment::free_motions>({.text = "Degrees of freedom that the surfaces do not determine"})};
 
 }  // namespace
 

@@ -341,16 +341,16 @@ const OptionSchema& FillOptions::schema() {
   static constexpr OptionRow rows[] = {
       option<&O::largest>({.text = "Fill holes of at most this diameter",
                            .unit = "length",
-                           .from_data = "a fifth of the diagonal of the piece that they are in, and no ends: openings "
-                                        "that the surface runs into steeply",
+                           .from_data = "a fifth of the diagonal of their component, except ends: openings "
+                                        "with steep surroundings",
                            .range = positive()}),
-      option<&O::edges>({.text = "Fill holes of at most so many edges", .range = {3, 2'000'000'000}}),
-      option<&O::share>({.text = "Without `largest` and `edges`: fill holes of at most this share of their piece",
+      option<&O::edges>({.text = "Fill holes of at most this number of edges", .range = {3, 2'000'000'000}}),
+      option<&O::share>({.text = "Without `largest` and `edges`: fill holes of at most this share of their component",
                          .unit = "share",
                          .range = {0, 1}}),
-      option<&O::all>({.text = "Fill all, outer borders of open surfaces too"}),
-      option<&O::refine>({.text = "Make the triangles as small as those around the hole"}),
-      option<&O::fair>({.text = "Fill with the smallest surface instead of one that goes on smoothly",
+      option<&O::all>({.text = "Fill all, including outer borders of open surfaces"}),
+      option<&O::refine>({.text = "Refine to the triangle size around the hole"}),
+      option<&O::fair>({.text = "Fill with the surface of least area instead of a smooth continuation",
                         .negative = "smallest_surface",
                         .old_name = "flat"})};
   static constexpr OptionSchema schema{rows};
@@ -359,7 +359,7 @@ const OptionSchema& FillOptions::schema() {
 
 void FillOptions::validate() const {
   validate_options(*this);
-  if (all && (largest || edges)) throw ArgumentError("`all` means every hole, whatever `largest` or `edges` it has");
+  if (all && (largest || edges)) throw ArgumentError("`all` fills every hole: it conflicts with `largest` and `edges`");
 }
 
 HoleLoops find_holes(const TriangleMesh& mesh) { return find_loops(HoledMesh(mesh)); }
@@ -462,8 +462,8 @@ constexpr ReportRow kHoleLoopRows[] = {
     reported<&HoleLoop::perimeter>({.text = "Length of its border", .unit = "length"}),
     reported<&HoleLoop::middle>({.name = "at", .text = "Middle of its border", .unit = "length"}),
     reported<&HoleLoop::share>(
-        {.name = "share_of_piece", .text = "Its diameter over that of the piece that it is in", .unit = "share"}),
-    reported<&HoleLoop::steepness>({.text = "How steeply the mesh leaves its plane: 1 of a tube", .unit = "share"}),
+        {.name = "share_of_piece", .text = "Its diameter over that of its component", .unit = "share"}),
+    reported<&HoleLoop::steepness>({.text = "Steepness of the mesh against its plane: 1 for a tube", .unit = "share"}),
     reported<&HoleLoop::outcome>({.text = "Result of filling it", .choices = kOutcomeWords})};
 
 }  // namespace
@@ -477,7 +477,7 @@ namespace {
 
 constexpr ReportRow kHoleLoopsRows[] = {
     reported<&HoleLoops::border_edges>({.text = "Edges of one triangle"}),
-    reported<&HoleLoops::stray_edges>({.name = "stray_border_edges", .text = "Edges of these that run around no hole"}),
+    reported<&HoleLoops::stray_edges>({.name = "stray_border_edges", .text = "Border edges that surround no hole"}),
     reported<&HoleLoops::nonmanifold_edges>({.text = "Edges of three triangles or more"}),
     reported<&HoleLoops::loops>({.name = "holes", .text = "Holes, the largest first"})};
 
@@ -492,14 +492,14 @@ namespace {
 
 constexpr ReportRow kFillReportRows[] = {
     reported_beside<&FillReport::found>(),
-    reported<&FillReport::filled>({.text = "Holes that were filled"}),
-    reported<&FillReport::too_large>({.name = "left_open", .text = "Holes that were left open for their size"}),
-    reported<&FillReport::ends>({.text = "Holes that were left open as ends of a tube"}),
-    reported<&FillReport::failed>({.text = "Holes that no triangles go across"}),
-    reported<&FillReport::islands>({.text = "Separate pieces that lie in fillings"}),
-    reported<&FillReport::vertices>({.name = "added.vertices", .text = "Vertices that were added"}),
-    reported<&FillReport::triangles>({.name = "added.triangles", .text = "Triangles that were added"}),
-    reported<&FillReport::area>({.name = "added.area", .text = "Area that was added", .unit = "length²"})};
+    reported<&FillReport::filled>({.text = "Filled holes"}),
+    reported<&FillReport::too_large>({.name = "left_open", .text = "Holes left open because of their size"}),
+    reported<&FillReport::ends>({.text = "Holes left open as ends of a tube"}),
+    reported<&FillReport::failed>({.text = "Holes without a valid triangulation"}),
+    reported<&FillReport::islands>({.text = "Separate components inside fillings"}),
+    reported<&FillReport::vertices>({.name = "added.vertices", .text = "Added vertices"}),
+    reported<&FillReport::triangles>({.name = "added.triangles", .text = "Added triangles"}),
+    reported<&FillReport::area>({.name = "added.area", .text = "Added area", .unit = "length²"})};
 
 }  // namespace
 

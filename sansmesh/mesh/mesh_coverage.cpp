@@ -117,11 +117,11 @@ MeshCoverage measure_coverage(const TriangleMesh& mesh, const PointSet& samples,
 namespace {
 
 constexpr ReportRow kFarPlacesRows[] = {
-    reported<&FarPlaces::share>({.text = "Share of the places that are far", .unit = "share"}),
-    reported<&FarPlaces::looked_at>({.text = "Places that were looked at"}),
-    reported<&FarPlaces::beyond>({.text = "Distance from which on a place is far", .unit = "length"}),
+    reported<&FarPlaces::share>({.text = "Share of far points", .unit = "share"}),
+    reported<&FarPlaces::looked_at>({.text = "Number of tested points"}),
+    reported<&FarPlaces::beyond>({.text = "Distance from which a point is far", .unit = "length"}),
     reported<&FarPlaces::most>(
-        {.name = "most_around", .text = "Place around which most of those lie", .unit = "length"})};
+        {.name = "most_around", .text = "Point around which most far points are", .unit = "length"})};
 
 }  // namespace
 

@@ -226,10 +226,10 @@ SurfaceDistance measure_distance(const TriangleMesh& surface, const TriangleMesh
 namespace {
 
 constexpr ReportRow kOneWayDistanceRows[] = {
-    reported<&OneWayDistance::samples>({.text = "Samples that were measured"}),
+    reported<&OneWayDistance::samples>({.text = "Number of measured samples"}),
     reported<&OneWayDistance::mean>({.text = "Mean distance", .unit = "length"}),
     reported<&OneWayDistance::rms>({.text = "Root mean square of the distances", .unit = "length"}),
-    reported<&OneWayDistance::p95>({.text = "Distance that 95 % of the samples are below", .unit = "length"}),
+    reported<&OneWayDistance::p95>({.text = "95 % quantile of the distances", .unit = "length"}),
     reported<&OneWayDistance::max>({.text = "Largest distance", .unit = "length"}),
     reported<&OneWayDistance::angle>(
         {.name = "angle_deg", .text = "Mean angle between the planes of normals, 0..90", .unit = "degrees"}),

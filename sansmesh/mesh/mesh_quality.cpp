@@ -99,7 +99,7 @@ MeshQuality measure_quality(const TriangleMesh& mesh) {
 namespace {
 
 constexpr ReportRow kMeshQualityRows[] = {
-    reported<&MeshQuality::aspect_mean>({.text = "Mean aspect ratio of the triangles: 1 of equilateral ones"}),
+    reported<&MeshQuality::aspect_mean>({.text = "Mean aspect ratio of the triangles: 1 for equilateral ones"}),
     reported<&MeshQuality::aspect_deviation>({.text = "Standard deviation of the aspect ratios"}),
     reported<&MeshQuality::aspect_max>({.text = "Largest aspect ratio"}),
     reported<&MeshQuality::smallest_angle_mean>(

@@ -147,23 +147,23 @@ constexpr ReportRow kMeshTopologyRows[] = {
     reported<&MeshTopology::vertices>({.text = "Vertices that triangles use"}),
     reported<&MeshTopology::triangles>({.text = "Triangles with three different corners"}),
     reported<&MeshTopology::unused_vertices>({.text = "Vertices that no triangle uses"}),
-    reported<&MeshTopology::degenerate_triangles>({.text = "Triangles without area or with corners that are one"}),
+    reported<&MeshTopology::degenerate_triangles>({.text = "Triangles without area or with coincident corners"}),
     reported<&MeshTopology::encloses>({.name = "closed", .text = "Whether the triangles enclose a volume"}),
-    reported<&MeshTopology::manifold>({.text = "Whether the surface is one sheet everywhere"}),
+    reported<&MeshTopology::manifold>({.text = "Whether the mesh is manifold"}),
     reported<[](const MeshTopology& r) {
       return told_if(r.edges > r.boundary_edges + r.nonmanifold_edges, r.oriented());
     }>({.name = "oriented",
-        .text = "Whether neighbouring faces agree on their sides; nothing where no two share an edge"}),
+        .text = "Whether neighbouring faces are consistently oriented; absent if no two share an edge"}),
     reported<&MeshTopology::boundary_edges>({.text = "Edges of one triangle"}),
-    reported<&MeshTopology::boundary_loops>({.text = "Connected sets of these: holes"}),
+    reported<&MeshTopology::boundary_loops>({.text = "Connected sets of boundary edges: holes"}),
     reported<&MeshTopology::open_edges>(
-        {.text = "Edges that more triangles run through in one direction than in the other"}),
+        {.text = "Edges that triangles traverse more often in one direction than in the other"}),
     reported<&MeshTopology::nonmanifold_edges>({.text = "Edges of three triangles or more"}),
     reported<&MeshTopology::nonmanifold_vertices>({.text = "Vertices whose triangles form several fans"}),
     reported<&MeshTopology::components>({.text = "Connected parts"}),
     reported<&MeshTopology::largest_component>({.text = "Triangles of the largest part"}),
     reported<&MeshTopology::euler>({.text = "Vertices − edges + triangles"}),
-    reported<&MeshTopology::genus>({.text = "Handles of all parts together, where they have a meaning"})};
+    reported<&MeshTopology::genus>({.text = "Total number of handles, if defined"})};
 
 }  // namespace
 

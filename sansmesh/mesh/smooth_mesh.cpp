@@ -382,28 +382,27 @@ const OptionSchema& SmoothOptions::schema() {
   using O = SmoothOptions;
   static constexpr OptionRow rows[] = {
       option<&O::iterations>({.text = "Rounds", .from_data = "10; with `creases` 8", .range = {1, kMostIterations}}),
-      option<&O::strength>({.text = "How far a round goes", .unit = "share", .range = positive(kMostStrength)}),
-      option<&O::shorter_than>({.text = "Take off what is shorter than this, in place of `iterations`",
+      option<&O::strength>({.text = "Step length of a round", .unit = "share", .range = positive(kMostStrength)}),
+      option<&O::shorter_than>({.text = "Remove shorter wavelengths than this, instead of `iterations`",
                                 .unit = "length",
                                 .range = positive(),
                                 .old_name = "length"}),
-      option<&O::creases>({.text = "Keep creases: smooth the normals of faces, and fit the vertices to them"}),
-      option<&O::crease_angle>({.text = "With `creases`: faces that are turned by more do not blur",
+      option<&O::creases>({.text = "Preserve creases: smooth the face normals and fit the vertices to them"}),
+      option<&O::crease_angle>({.text = "With `creases`: largest angle between faces that are smoothed together",
                                 .unit = "degrees",
                                 .from_data = "from the noise",
                                 .range = {1, 90},
                                 .needs = "creases"}),
-      option<&O::borders>({.text = "Smooth borders, too, along themselves; otherwise they stay"})};
+      option<&O::borders>({.text = "Also smooth borders, along themselves; otherwise they stay fixed"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
 
 void SmoothOptions::validate() const {
   validate_options(*this);
-  if (shorter_than && iterations)
-    throw ArgumentError("`shorter_than` says how many `iterations` there are: give one of them");
-  if (shorter_than && creases) throw ArgumentError("`shorter_than` means nothing with `creases`");
-  if (borders && creases) throw ArgumentError("`borders` means nothing with `creases`: borders stay");
+  if (shorter_than && iterations) throw ArgumentError("`shorter_than` determines `iterations`: set only one of them");
+  if (shorter_than && creases) throw ArgumentError("`shorter_than` has no effect with `creases`");
+  if (borders && creases) throw ArgumentError("`borders` has no effect with `creases`: borders stay fixed");
 }
 
 SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progress& progress) {
@@ -453,16 +452,16 @@ namespace {
 
 constexpr ReportRow kSmoothReportRows[] = {
     reported<&SmoothReport::vertices>(
-        {.name = "input.vertices", .text = "Vertices that triangles use; those at the same place count once"}),
+        {.name = "input.vertices", .text = "Vertices that triangles use; coincident ones count once"}),
     reported<&SmoothReport::mean_edge>(
         {.name = "input.mean_edge", .text = "Mean length of the edges before", .unit = "length"}),
-    reported<&SmoothReport::iterations>({.text = "Rounds that were made", .unit = "rounds"}),
+    reported<&SmoothReport::iterations>({.text = "Rounds performed", .unit = "rounds"}),
     reported<&SmoothReport::rms_move>(
-        {.name = "moved.rms", .text = "How far vertices moved, root mean square", .unit = "length"}),
+        {.name = "moved.rms", .text = "Displacement of the vertices, root mean square", .unit = "length"}),
     reported<&SmoothReport::largest_move>(
-        {.name = "moved.max", .text = "How far the vertex moved that moved most", .unit = "length"}),
+        {.name = "moved.max", .text = "Largest displacement of a vertex", .unit = "length"}),
     reported<&SmoothReport::fixed>(
-        {.name = "moved.fixed", .text = "Vertices that stayed, at borders and edges of three triangles"}),
+        {.name = "moved.fixed", .text = "Fixed vertices, at borders and edges of three triangles"}),
     reported<&SmoothReport::area_before>({.name = "area.before", .text = "Area before", .unit = "length²"}),
     reported<&SmoothReport::area_after>({.name = "area.after", .text = "Area after", .unit = "length²"}),
     reported<&SmoothReport::volume_before>(
@@ -470,7 +469,7 @@ constexpr ReportRow kSmoothReportRows[] = {
     reported<&SmoothReport::volume_after>(
         {.name = "volume.after", .text = "Volume after, of closed meshes", .unit = "length³"}),
     reported<[](const SmoothReport& r) { return told_if(r.crease_angle > 0, r.crease_angle); }>(
-        {.name = "crease_angle_deg", .text = "Angle from which on edges were kept as creases", .unit = "degrees"})};
+        {.name = "crease_angle_deg", .text = "Least angle of edges preserved as creases", .unit = "degrees"})};
 
 }  // namespace
 

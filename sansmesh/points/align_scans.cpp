@@ -380,7 +380,7 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
   std::vector<Scan> scans = scans_of(points);
   if (scans.size() < 2) return result;
   if (scans.size() > kMostMovableScans)
-    throw DataError("more than " + std::to_string(kMostMovableScans) + " scans that overlap: too many to be aligned");
+    throw DataError("more than " + std::to_string(kMostMovableScans) + " overlapping scans: too many to align");
 
   std::vector<double> noises, spacings;
   for (Scan& scan : scans) {
@@ -438,7 +438,7 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
 void move_scans(PointSet& points, const std::vector<RigidMotion>& motions) {
   const auto known = [&](std::uint16_t scan) { return scan != PointSet::kUnknownScan; };
   for (const std::uint16_t s : points.scan_of_point)
-    if (known(s) && s >= motions.size()) throw ArgumentError("move_scans: a motion of each scan is needed");
+    if (known(s) && s >= motions.size()) throw ArgumentError("move_scans: every scan needs a motion");
   parallel_for(0, points.scan_of_point.size(), 16384, [&](std::size_t i) {
     if (!known(points.scan_of_point[i])) return;
     const RigidMotion& m = motions[points.scan_of_point[i]];

@@ -23,14 +23,14 @@ constexpr OptionRow kRows[] = {
                                       "auto (sample where vertices are sparse)",
                               .choices = kFaces}),
     option<&CloudUse::normals>(
-        {.text = "Use given ones as they are, estimate new ones, or auto (turn given ones if need be)",
+        {.text = "Use given ones unchanged, estimate new ones, or auto (flip given ones if necessary)",
          .choices = kNormals}),
     option<&CloudUse::orient_by>(
-        {.text = "From what normals get their signs (auto: the first that is known)", .choices = kOrientByWords}),
-    option<&CloudUse::align>({.text = "Move scans that do not quite fit together onto each other"}),
-    option<&CloudUse::remove_outliers>({.text = "Leave out samples that belong to no surface, such as strays"}),
+        {.text = "Source of the signs of normals (auto: the first known one)", .choices = kOrientByWords}),
+    option<&CloudUse::align>({.text = "Align slightly misregistered scans"}),
+    option<&CloudUse::remove_outliers>({.text = "Remove stray samples, which belong to no surface"}),
     option<&CloudUse::classes, ClassWords>(
-        {.text = "Only points of these classes, with commas between them: names (ground, building) or numbers (2, 3-5)",
+        {.text = "Only points of these comma-separated classes: names (ground, building) or numbers (2, 3-5)",
          .unit = "classes",
          .from_data = "all",
          .name = "class"})};

@@ -194,8 +194,8 @@ namespace {
 constexpr ReportRow kNoiseEstimateRows[] = {
     reported<&NoiseEstimate::deviation>(
         {.name = "noise", .text = "Standard deviation of the samples off the surface", .unit = "length"}),
-    reported<&NoiseEstimate::known>({.name = "noise_known", .text = "Whether noise and shape can be told apart"}),
-    reported<&NoiseEstimate::most>({.name = "most_noise", .text = "The noise is no more than this", .unit = "length"})};
+    reported<&NoiseEstimate::known>({.name = "noise_known", .text = "Whether noise and shape are distinguishable"}),
+    reported<&NoiseEstimate::most>({.name = "most_noise", .text = "Upper bound of the noise", .unit = "length"})};
 
 }  // namespace
 

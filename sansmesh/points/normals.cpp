@@ -130,7 +130,7 @@ const OptionSchema& NormalOptions::schema() {
           {.text = "Samples in a neighbourhood", .from_data = "from spacing and noise", .range = {6, 500}}),
       option<&O::method>({.text = "A plane (covariance) or a quadric (jet)", .unit = "choice", .choices = methods}),
       option<&O::reweightings>(
-          {.text = "Rounds that silence samples off the fit: sharper at creases", .range = {0, 10}})};
+          {.text = "Reweighting rounds that reject samples off the fit: sharper at creases", .range = {0, 10}})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }

@@ -271,13 +271,13 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
 std::string unknown_sights(OrientBy asked) {
   switch (asked) {
     case OrientBy::scanner:
-      return "holds no scanner positions by which normals could be oriented";
+      return "has no scanner positions for orienting normals";
     case OrientBy::rows:
-      return "has no rows and columns by which normals could be oriented";
+      return "has no rows and columns for orienting normals";
     case OrientBy::flight:
-      return "holds no scan angles that show flight lines by which normals could be oriented";
+      return "has no scan angles of flight lines for orienting normals";
     default:
-      return "nothing is known by which normals could be oriented";
+      return "has no data for orienting normals";
   }
 }
 

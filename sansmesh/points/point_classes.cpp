@@ -170,8 +170,8 @@ void keep_classes(PointSet& points, const PointClasses& classes) {
     std::string there;
     for (unsigned c = 0; c < counts.size(); ++c)
       if (counts[c] > 0) there += (there.empty() ? "" : ", ") + class_words(c);
-    throw DataError("none of its " + counted(points.size(), "point") +
-                    " is of a class that `class` chooses; there are " + (there.empty() ? "none from 0 to 255" : there));
+    throw DataError("none of its " + counted(points.size(), "point") + " is of a class in `class`; there are " +
+                    (there.empty() ? "none from 0 to 255" : there));
   }
   if (lost > 0) remove_samples(points, gone);
 }

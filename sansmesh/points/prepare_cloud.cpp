@@ -16,6 +16,7 @@
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/outliers.h"
+#include "sansmesh/points/point_classes.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
@@ -114,8 +115,7 @@ bool look_at_sensors(PreparedCloud& cloud, Progress& progress) {
     std::size_t turned = 0;
     for (std::size_t i = 0; i < given.size(); ++i) turned += points.normals[i] != given[i];
     cloud.oriented_by = by;
-    cloud.warnings.push_back(counted(turned, "normal") +
-                             " turned: they looked away from where their samples were seen");
+    cloud.warnings.push_back(counted(turned, "normal") + " flipped: they faced away from the sensor");
     return true;
   }
   return false;
@@ -147,8 +147,8 @@ void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progre
   PointSet& points = cloud.points;
   if (use.normals == NormalUse::as_given) {
     if (use.orient_by != OrientBy::automatic)
-      throw ArgumentError("`orient_by` turns normals: it means nothing with `normals = given`");
-    if (!points.has_normals()) throw DataError("there are no normals to be taken as given");
+      throw ArgumentError("`orient_by` changes normals: it has no effect with `normals = given`");
+    if (!points.has_normals()) throw DataError("there are no given normals");
     return;
   }
   if (use.normals == NormalUse::estimate) points.normals.clear(), cloud.face_sides = FaceSides::unknown;
@@ -158,7 +158,7 @@ void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progre
   const bool consistent = check == OrientationCheck::oriented || check == OrientationCheck::inward;
   if (consistent && use.orient_by == OrientBy::automatic) {
     if (look_at_sensors(cloud, progress) || check == OrientationCheck::oriented) return;
-    cloud.warnings.push_back("the normals point inward: turned round");
+    cloud.warnings.push_back("the normals point inward: flipped");
     for (Vec3f& n : points.normals) n = -n;
     return;
   }
@@ -174,7 +174,7 @@ void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progre
   cloud.oriented_by = orient_normals(points, tree, orientation, progress);
   if (check == OrientationCheck::unoriented && measure_orientation(points, cloud.noise).related < kLeastRelated)
     cloud.warnings.push_back(
-        "the normals have nothing to do with those next to them, so no sign is right: `normals = estimate` makes "
+        "the normals are unrelated to those of neighbouring samples: no sign is right; `normals = estimate` makes "
         "others");
 }
 
@@ -189,7 +189,7 @@ std::string scan_called(const PointSet& points, std::size_t scan) {
 bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
   PointSet& points = cloud.points;
   if (points.scan_of_point.size() != points.size() || !has_several_scans(points)) {
-    if (move) cloud.warnings.push_back("there is only one scan: nothing to be aligned");
+    if (move) cloud.warnings.push_back("there is only one scan: nothing to align");
     return false;
   }
   progress.begin(move ? "align scans" : "compare scans");
@@ -213,7 +213,7 @@ bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
   const std::size_t moved = found.most_moved(), farthest = found.farthest_off();
   if (found.warped())
     cloud.warnings.push_back("scans disagree by " + off(found.deviations[farthest], farthest) +
-                             ", and no motion of whole scans changes that: they are warped");
+                             ", which no rigid motion corrects: they are warped");
   if (!move) {
     if (found.disagree())
       cloud.warnings.push_back("scans disagree by up to " + off(found.displacements[moved], moved) +
@@ -221,7 +221,7 @@ bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
     return false;
   }
   if (found.rounds == 0) {
-    cloud.warnings.push_back("no two scans have a place in common: nothing to be aligned");
+    cloud.warnings.push_back("no two scans overlap: nothing to align");
     return false;
   }
   if (found.displacements[moved] <= 0) {

@@ -19,7 +19,7 @@ constexpr double kUsualNoises = 3, kOutOfReach = 2;
 
 SampleConfidence::SampleConfidence(const PointSet& samples, double spacing, double noise)
     : tree_(samples.positions), positions_(samples.positions), spacing_(spacing), noise_(noise) {
-  if (tree_.size() == 0) throw DataError("there are no samples to be confident by");
+  if (tree_.size() == 0) throw DataError("confidence needs samples");
 }
 
 double SampleConfidence::reach_spacing(std::uint32_t sample) const {

@@ -26,7 +26,7 @@ std::vector<Vec3f> directions_to_scanners(const PointSet& points) {
 std::string_view orientation_words(OrientBy by) {
   switch (by) {
     case OrientBy::automatic:
-      return "by whatever is known";
+      return "by the best known source";
     case OrientBy::scanner:
       return "by scanner position";
     case OrientBy::rows:

@@ -27,7 +27,7 @@ class Registry {
   void add(Entry entry) {
     const std::lock_guard lock(mutex_);
     if (entry.name.empty()) throw ArgumentError("a " + kind_ + " needs a name");
-    if (found(entry.name)) throw ArgumentError("there is a " + kind_ + " " + std::string(entry.name) + " already");
+    if (found(entry.name)) throw ArgumentError("a " + kind_ + " named " + std::string(entry.name) + " already exists");
     entries_.push_back(std::move(entry));
   }
 
