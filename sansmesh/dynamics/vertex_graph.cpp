@@ -6,6 +6,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -24,7 +25,7 @@ VertexGraph vertex_graph(std::span<const Tet> tets, std::size_t vertices) {
   parallel_for(0, tets.size(), 4096, [&](std::size_t k) {
     for (std::size_t e = 0; e < 6; ++e) {
       const std::uint32_t a = tets[k][kEdgeEnds[e][0]], b = tets[k][kEdgeEnds[e][1]];
-      keys[6 * k + e] = static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
+      keys[6 * k + e] = edge_key(a, b);
     }
   });
   parallel_sort(keys);

@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/measure/component_overlap.h"
 #include "sansmesh/mesh/components.h"
@@ -87,7 +88,7 @@ void count_edges(const TriangleMesh& mesh, const std::vector<std::uint32_t>& com
     const Triangle& t = mesh.triangles[i];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      edges[3 * i + k] = {std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), static_cast<unsigned>(3 * i + k)};
+      edges[3 * i + k] = {edge_key(a, b), static_cast<unsigned>(3 * i + k)};
     }
   });
   parallel_sort(edges);

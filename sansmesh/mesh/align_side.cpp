@@ -9,6 +9,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/place_edges.h"
 #include "sansmesh/mesh_measures.h"
@@ -56,7 +57,7 @@ bool tells_sides(const TriangleMesh& mesh) {
   double volume = 0, area = 0;
   const Vec3 base(mesh.vertices[0]);
   for (const Triangle& face : mesh.triangles) {
-    if (!is_whole(mesh, face)) continue;
+    if (!has_valid_corners(mesh.vertices, face)) continue;
     const Vec3 a = Vec3(mesh.vertices[face[0]]) - base, doubled = doubled_area(mesh.vertices, face);
     volume += dot(a, doubled) / 6;
     area += norm(doubled) / 2;
@@ -66,7 +67,7 @@ bool tells_sides(const TriangleMesh& mesh) {
 
 bool has_triangles(const TriangleMesh& mesh) {
   return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
-    return is_whole(mesh, t) && squared_norm(doubled_area(mesh.vertices, t)) > 0;
+    return has_valid_corners(mesh.vertices, t) && squared_norm(doubled_area(mesh.vertices, t)) > 0;
   });
 }
 
@@ -74,7 +75,7 @@ bool has_triangles(const TriangleMesh& mesh) {
 std::vector<Vec3> places_that_count(const TriangleMesh& mesh, std::size_t most) {
   std::vector<std::uint8_t> used(mesh.vertices.size(), mesh.triangles.empty() ? 1 : 0);
   for (const Triangle& t : mesh.triangles)
-    if (is_whole(mesh, t)) used[t[0]] = used[t[1]] = used[t[2]] = 1;
+    if (has_valid_corners(mesh.vertices, t)) used[t[0]] = used[t[1]] = used[t[2]] = 1;
   std::vector<Vec3> places;
   for (std::size_t i = 0; i < used.size(); ++i)
     if (used[i] && is_finite(mesh.vertices[i])) places.emplace_back(mesh.vertices[i]);
@@ -249,7 +250,7 @@ AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit
     side.mesh.vertices.reserve(mesh.vertices.size());
     for (const Vec3f& p : mesh.vertices) side.mesh.vertices.push_back(Vec3f(own(p)));
     side.mesh.triangles = mesh.triangles;
-    std::erase_if(side.mesh.triangles, [&](const Triangle& t) { return !is_whole(mesh, t); });
+    std::erase_if(side.mesh.triangles, [&](const Triangle& t) { return !has_valid_corners(mesh.vertices, t); });
     for (const FaceSample& s : sample_triangles(side.mesh.vertices, side.mesh.triangles, kDense)) {
       side.dense.x.push_back(s.position);
       side.dense.n.emplace_back(s.normal);

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 
@@ -97,10 +98,6 @@ class BoxCutOut {
   }
 
  private:
-  static std::uint64_t key(std::uint32_t a, std::uint32_t b) {
-    return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-  }
-
   void divide(std::size_t axis, float at, float sign) {
     const auto height = [&](std::uint32_t v) { return sign * (mesh_.vertices[v][axis] - at); };
     std::unordered_map<std::uint64_t, std::uint32_t> made;
@@ -110,7 +107,7 @@ class BoxCutOut {
         const std::uint32_t b = std::max(mesh_.triangles[i][k], mesh_.triangles[i][(k + 1) % 3]);
         const float ha = height(a), hb = height(b);
         if (!((ha < 0 && hb > 0) || (ha > 0 && hb < 0))) continue;
-        const auto [entry, is_new] = made.try_emplace(key(a, b), 0);
+        const auto [entry, is_new] = made.try_emplace(edge_key(a, b), 0);
         if (!is_new) continue;
         const float t = ha / (ha - hb);
         Vec3f x = mesh_.vertices[a] + (mesh_.vertices[b] - mesh_.vertices[a]) * t;
@@ -133,7 +130,7 @@ class BoxCutOut {
       std::array<std::uint32_t, 3> cut{};
       std::size_t cuts = 0;
       for (std::size_t k = 0; k < 3; ++k) {
-        const auto found = made.find(key(t[k], t[(k + 1) % 3]));
+        const auto found = made.find(edge_key(t[k], t[(k + 1) % 3]));
         cut[k] = found == made.end() ? kNoVertex : found->second;
         cuts += cut[k] != kNoVertex;
       }

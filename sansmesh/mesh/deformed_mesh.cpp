@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "sansmesh/box.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/refine_edges.h"
 
@@ -17,10 +18,6 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostDeformRounds = 24;
-
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
 
 std::vector<Vec3> in_world(const Vec3& origin, std::span<const Vec3f> positions) {
   std::vector<Vec3> x;

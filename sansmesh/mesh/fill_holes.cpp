@@ -12,6 +12,7 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/hole_patch.h"
 #include "sansmesh/mesh/mesh_vertices.h"
@@ -204,9 +205,9 @@ HoleFilling fill_one(const HoledMesh& m, const VertexCorners& corners, const std
     for (std::uint32_t c = corners.first[places[i]]; c < corners.first[places[i] + 1]; ++c) {
       const std::uint32_t triangle = corners.corner[c] / 3;
       Triangle t = m.mesh.triangles[triangle];
-      if (!is_whole(m.mesh, t)) continue;
+      if (!has_valid_corners(m.mesh.vertices, t)) continue;
       for (std::uint32_t& v : t) v = m.edges.place[v];
-      if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+      if (!has_distinct_corners(t)) continue;
       const std::uint32_t next = places[(i + 1) % n];
       for (std::size_t k = 0; k < 3; ++k)
         if (t[k] == next && t[(k + 1) % 3] == places[i]) beside[i] = Vec3(m.mesh.vertices[t[(k + 2) % 3]]) - base;
@@ -374,8 +375,8 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
   const std::vector<HoleLoop>& loops = report.found.loops;
   std::vector<Triangle> by_place = before.triangles;
   for (Triangle& t : by_place)
-    t = is_whole(before, t) ? Triangle{m.edges.place[t[0]], m.edges.place[t[1]], m.edges.place[t[2]]}
-                            : Triangle{0, 0, 0};
+    t = has_valid_corners(before.vertices, t) ? Triangle{m.edges.place[t[0]], m.edges.place[t[1]], m.edges.place[t[2]]}
+                                              : Triangle{0, 0, 0};
   const VertexCorners corners(by_place, before.vertices.size());
   std::vector<double> edge_length(before.vertices.size()), count(before.vertices.size());
   for (const PlaceEdges::Edge& e : m.edges.edges)

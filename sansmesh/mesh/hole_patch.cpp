@@ -9,6 +9,8 @@
 #include <unordered_set>
 #include <utility>
 
+#include "sansmesh/data/triangles.h"
+
 namespace sansmesh::inline v1::detail {
 namespace {
 
@@ -137,11 +139,6 @@ std::vector<PatchTriangle> triangulate_long(const HoleRim& rim, std::uint32_t st
   return all;
 }
 
-std::uint64_t patch_edge_key(std::uint32_t a, std::uint32_t b) {
-  const auto [low, high] = std::minmax(a, b);
-  return std::uint64_t{low} << 32 | high;
-}
-
 /// Triangles with neighbours, for edge flips.
 struct PatchTopology {
   std::vector<PatchTriangle>& triangles;
@@ -155,7 +152,7 @@ struct PatchTopology {
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
     for (std::uint32_t t = 0; t < triangles.size(); ++t)
       for (std::uint32_t k = 0; k < 3; ++k)
-        keys.emplace_back(patch_edge_key(triangles[t][k], triangles[t][(k + 1) % 3]), 3 * t + k);
+        keys.emplace_back(edge_key(triangles[t][k], triangles[t][(k + 1) % 3]), 3 * t + k);
     std::sort(keys.begin(), keys.end());
     beyond.assign(triangles.size(), {kNoOther, kNoOther, kNoOther});
     edges.clear();
@@ -192,13 +189,13 @@ struct PatchTopology {
     if (j == 3 || triangles[s][(j + 1) % 3] != a) return false;
     const std::uint32_t d = triangles[s][(j + 2) % 3];
     if (c == d || angle_at(c, a, b) + angle_at(d, a, b) < 3.14159265358979 + kFlipMargin) return false;
-    if (edges.contains(patch_edge_key(c, d)) || (c < loop && d < loop && joined(c, d))) return false;
+    if (edges.contains(edge_key(c, d)) || (c < loop && d < loop && joined(c, d))) return false;
     const Vec3 middle = normalized(doubled_normal(x[a], x[b], x[c])) + normalized(doubled_normal(x[b], x[a], x[d]));
     if (!(dot(doubled_normal(x[a], x[d], x[c]), middle) > 0 && dot(doubled_normal(x[d], x[b], x[c]), middle) > 0))
       return false;
     const std::uint32_t bc = beyond[t][(k + 1) % 3], ca = beyond[t][(k + 2) % 3];
     const std::uint32_t ad = beyond[s][(j + 1) % 3], db = beyond[s][(j + 2) % 3];
-    edges.erase(patch_edge_key(a, b)), edges.insert(patch_edge_key(c, d));
+    edges.erase(edge_key(a, b)), edges.insert(edge_key(c, d));
     triangles[t] = {a, d, c}, beyond[t] = {ad, s, ca};
     triangles[s] = {d, b, c}, beyond[s] = {db, bc, t};
     relink(ad, s, t), relink(bc, t, s);

@@ -12,6 +12,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/search/kd_tree.h"
@@ -20,18 +21,6 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kDistanceChunk = 2048;  // samples per chain of hints: fixed, for reproducibility
-
-bool valid(const TriangleMesh& mesh, const Triangle& t) {
-  const std::size_t n = mesh.vertices.size();
-  return t[0] < n && t[1] < n && t[2] < n && is_finite(mesh.vertices[t[0]]) && is_finite(mesh.vertices[t[1]]) &&
-         is_finite(mesh.vertices[t[2]]);
-}
-
-/// Normal with the length of twice the area.
-Vec3 doubled_area(const TriangleMesh& mesh, const Triangle& t) {
-  const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
-  return cross(b - a, c - a);
-}
 
 struct Samples {
   std::vector<Vec3> positions;  ///< relative to the mesh's origin
@@ -60,7 +49,7 @@ Samples all_points(const TriangleMesh& points) {
 std::vector<Vec3> used_vertices(const TriangleMesh& mesh) {
   std::vector<std::uint8_t> used(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles)
-    if (valid(mesh, t)) used[t[0]] = used[t[1]] = used[t[2]] = 1;
+    if (has_valid_corners(mesh.vertices, t)) used[t[0]] = used[t[1]] = used[t[2]] = 1;
   std::vector<Vec3> result;
   for (std::size_t i = 0; i < used.size(); ++i)
     if (used[i]) result.emplace_back(mesh.vertices[i]);
@@ -91,7 +80,7 @@ class Target {
     hint = triangles_.closest(p, hint);
     const double distance = std::sqrt(hint.squared_distance);
     if (!want_normal || hint.triangle == ClosestTriangle::kNone) return {distance, {}};
-    return {distance, Vec3f(normalized(doubled_area(mesh_, mesh_.triangles[hint.triangle])))};
+    return {distance, Vec3f(normalized(doubled_area(mesh_.vertices, mesh_.triangles[hint.triangle])))};
   }
 
  private:

@@ -1,3 +1,4 @@
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh_measures.h"
 
 #include <algorithm>
@@ -95,7 +96,7 @@ MeshTopology measure_topology(const TriangleMesh& mesh) {
   for (const Triangle& t : mesh.triangles) {
     const bool exists = t[0] < n && t[1] < n && t[2] < n;
     if (!exists || !has_area(mesh, t)) ++result.degenerate_triangles;
-    if (exists && t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
+    if (exists && has_distinct_corners(t)) triangles.push_back(t);
   }
   result.triangles = triangles.size();
 

@@ -40,7 +40,4 @@ struct JoinedPlaces {
 /// triangles.
 JoinedPlaces join_places(TriangleMesh& mesh);
 
-/// Whether all corners of a triangle exist and are finite.
-bool is_whole(const TriangleMesh& mesh, const Triangle& t);
-
 }  // namespace sansmesh::inline v1

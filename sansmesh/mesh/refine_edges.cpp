@@ -3,6 +3,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/refine_edges.h"
@@ -31,7 +32,7 @@ std::optional<std::size_t> split_edges(TriangleMesh& mesh,
   if (after > most_triangles) return std::nullopt;
   const auto middle = [&](std::uint32_t a, std::uint32_t b) {
     if (!cut(a, b)) return kNoVertex;
-    const auto [at, fresh] = middles.try_emplace(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), kNoVertex);
+    const auto [at, fresh] = middles.try_emplace(edge_key(a, b), kNoVertex);
     if (fresh) at->second = add_middle(mesh, std::min(a, b), std::max(a, b));
     return at->second;
   };

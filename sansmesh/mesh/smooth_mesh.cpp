@@ -12,6 +12,7 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh/place_edges.h"
@@ -159,7 +160,7 @@ std::vector<Vec3> steps_of_planes(const SmoothState& s) {
   };
   std::vector<Sums> sums(s.x.size());
   for (std::size_t i = 0; i < s.mesh.triangles.size(); ++i) {
-    if (!is_whole(s.mesh, s.mesh.triangles[i])) continue;
+    if (!has_valid_corners(s.mesh.vertices, s.mesh.triangles[i])) continue;
     const Vec3 doubled = cross(s.at(i, 1) - s.at(i, 0), s.at(i, 2) - s.at(i, 0)), n = normalized(doubled);
     const double area = norm(doubled);
     for (const std::uint32_t corner : s.mesh.triangles[i]) {
@@ -207,7 +208,7 @@ void restore_volumes_once(SmoothState& s, const std::vector<Vec3>& before, bool 
     return dot(x[t[0]], cross(x[t[1]], x[t[2]])) / 6;
   };
   for (Triangle t : s.mesh.triangles) {
-    if (!is_whole(s.mesh, t)) continue;
+    if (!has_valid_corners(s.mesh.vertices, t)) continue;
     for (std::uint32_t& v : t) v = s.edges.place[v];
     const std::uint32_t b = bodies.of[t[0]];
     const double there = volume(before, t);
@@ -277,7 +278,7 @@ struct FaceNormals {
     const std::size_t n = s.mesh.triangles.size();
     normal.resize(n), center.resize(n), area.resize(n);
     parallel_for(0, n, 4096, [&](std::size_t i) {
-      if (!is_whole(s.mesh, s.mesh.triangles[i])) return;
+      if (!has_valid_corners(s.mesh.vertices, s.mesh.triangles[i])) return;
       const Vec3 a = s.at(i, 0), b = s.at(i, 1), c = s.at(i, 2), doubled = cross(b - a, c - a);
       center[i] = (a + b + c) / 3;
       area[i] = norm(doubled) / 2;
@@ -367,7 +368,7 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
 void renew_normals(TriangleMesh& mesh) {
   std::vector<Vec3> sum(mesh.vertices.size());
   for (const Triangle& t : mesh.triangles) {
-    if (!is_whole(mesh, t)) continue;
+    if (!has_valid_corners(mesh.vertices, t)) continue;
     const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);
     const Vec3 doubled = cross(b - a, c - a);
     for (const std::uint32_t v : t) sum[v] += doubled;
@@ -418,9 +419,9 @@ SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progr
     joined.vertices = mesh.vertices;
     for (std::size_t v = 0; v < s.x.size(); ++v) joined.vertices[v] = Vec3f(s.x[v]);
     for (const Triangle& t : mesh.triangles)
-      if (is_whole(mesh, t))
+      if (has_valid_corners(mesh.vertices, t))
         joined.triangles.push_back({s.edges.place[t[0]], s.edges.place[t[1]], s.edges.place[t[2]]});
-    std::erase_if(joined.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+    std::erase_if(joined.triangles, [](const Triangle& t) { return !has_distinct_corners(t); });
     const MeshQuality q = measure_quality(joined);
     area = q.area;
     return measure_topology(joined).closed() ? std::optional(q.volume) : std::nullopt;

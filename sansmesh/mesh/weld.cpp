@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/same_places.h"
 #include "sansmesh/mesh/vertex_corners.h"
@@ -52,7 +53,7 @@ std::size_t edges_of_three_or_more(const TriangleMesh& mesh) {
   std::vector<Triangle> triangles;
   triangles.reserve(mesh.triangles.size());
   for (const Triangle& t : mesh.triangles)
-    if (t[0] < n && t[1] < n && t[2] < n && t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
+    if (t[0] < n && t[1] < n && t[2] < n && has_distinct_corners(t)) triangles.push_back(t);
   const VertexCorners corners(triangles, n);
   return parallel_reduce(
       n, kWeldChunk, std::size_t{0},
@@ -104,7 +105,7 @@ WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     const Triangle& old = mesh.triangles[i];
     const Triangle t{group[old[0]], group[old[1]], group[old[2]]};
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+    if (!has_distinct_corners(t)) continue;
     mesh.triangles[left.size()] = t;
     left.push_back(static_cast<std::uint32_t>(i));
   }

@@ -11,6 +11,7 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/search/kd_tree.h"
 
@@ -43,9 +44,7 @@ constexpr float kOtherSide = -0.3f;
 constexpr float kOwnSide = 0.9f;
 
 bool is_triangle(const PointSet& mesh, const Triangle& t) {
-  const std::size_t n = mesh.size();
-  return t[0] < n && t[1] < n && t[2] < n && t[0] != t[1] && t[1] != t[2] && t[2] != t[0] &&
-         is_finite(mesh.positions[t[0]]) && is_finite(mesh.positions[t[1]]) && is_finite(mesh.positions[t[2]]);
+  return has_distinct_corners(t) && has_valid_corners(mesh.positions, t);
 }
 
 float longest_edge(const PointSet& mesh, const Triangle& t) {

@@ -5,6 +5,7 @@
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -41,14 +42,6 @@ void carry_attributes(const PointSet& mesh, const std::vector<FaceSample>& sampl
 }
 
 }  // namespace
-
-Vec3 doubled_area(std::span<const Vec3f> vertices, const Triangle& t) {
-  const std::size_t n = vertices.size();
-  if (t[0] >= n || t[1] >= n || t[2] >= n) return {};
-  const Vec3 a(vertices[t[0]]), b(vertices[t[1]]), c(vertices[t[2]]);
-  const Vec3 area = cross(b - a, c - a);
-  return is_finite(area) ? area : Vec3{};
-}
 
 std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
                                          std::size_t count) {

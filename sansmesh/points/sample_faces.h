@@ -25,9 +25,6 @@ struct FaceSample {
 std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::span<const Triangle> triangles,
                                          std::size_t count);
 
-/// Normal of a triangle times twice its area; zero if a corner is nonexistent or not finite.
-Vec3 doubled_area(std::span<const Vec3f> vertices, const Triangle& triangle);
-
 /// Cloud of `count` face samples with face normals. Interpolates colours and attributes of the vertices, and copies
 /// those of the triangles (unless a vertex attribute has the same name).
 PointSet sample_faces(const PointSet& mesh, std::size_t count);

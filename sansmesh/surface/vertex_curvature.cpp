@@ -8,6 +8,7 @@
 #include <span>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/points/close_points.h"
 #include "sansmesh/points/duplicates.h"
