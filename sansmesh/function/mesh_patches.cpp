@@ -8,7 +8,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/data/triangles.h"
-#include "sansmesh/mesh/same_places.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -34,7 +34,7 @@ std::uint32_t number_sets(UnionFind& sets, std::vector<std::uint32_t>& of) {
 }  // namespace
 
 MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double least_crease) {
-  const std::vector<std::uint32_t> same = first_at_place(mesh.vertices);
+  const std::vector<std::uint32_t> same = first_equal_positions(mesh.vertices);
   const std::size_t n = mesh.triangles.size();
   triangles.resize(n);
   normal.resize(n);

@@ -6,15 +6,15 @@
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_vertices.h"
-#include "sansmesh/mesh/same_places.h"
 #include "sansmesh/mesh/vertex_corners.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 
 PlaceEdges edges_by_place(const TriangleMesh& mesh) {
   if (mesh.triangles.size() > kMostTriangles) throw DataError("the mesh has more triangles than can be counted");
   PlaceEdges all;
-  all.place = first_at_place(mesh.vertices);
+  all.place = first_equal_positions(mesh.vertices);
   std::vector<KeyIndex> keys;
   keys.reserve(3 * mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -53,7 +53,7 @@ bool looks_the_same(const TriangleMesh& mesh, std::size_t a, std::size_t b) {
 
 JoinedPlaces join_places(TriangleMesh& mesh) {
   JoinedPlaces report;
-  const std::vector<std::uint32_t> first = first_at_place(mesh.vertices);
+  const std::vector<std::uint32_t> first = first_equal_positions(mesh.vertices);
   std::vector<std::uint32_t> number(mesh.vertices.size()), kept;
   std::vector<Vec3> normals(mesh.normals.size());
   for (std::uint32_t v = 0; v < number.size(); ++v) {

@@ -9,7 +9,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/data/triangles.h"
-#include "sansmesh/mesh/same_places.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -57,7 +57,7 @@ SewnMesh sewn_mesh(const TriangleMesh& mesh) {
   std::vector<Vec3f> places;
   places.reserve(ends.size());
   for (const std::uint32_t v : ends) places.push_back(mesh.vertices[v]);
-  const std::vector<std::uint32_t> first = first_at_place(places);
+  const std::vector<std::uint32_t> first = first_equal_positions(places);
   const auto number = [&](std::uint32_t v) {
     return static_cast<std::uint32_t>(std::lower_bound(ends.begin(), ends.end(), v) - ends.begin());
   };

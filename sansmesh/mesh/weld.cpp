@@ -10,7 +10,6 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/mesh_vertices.h"
-#include "sansmesh/mesh/same_places.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/points/close_points.h"
 
@@ -78,8 +77,7 @@ std::size_t edges_of_three_or_more(const TriangleMesh& mesh) {
 
 WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
   const std::size_t n = mesh.vertices.size();
-  const std::vector<std::uint32_t> first =
-      distance == 0 ? first_at_place(mesh.vertices) : close_representatives(mesh.vertices, distance);
+  const std::vector<std::uint32_t> first = close_representatives(mesh.vertices, distance);
   std::vector<std::uint32_t> group(n);
   std::vector<std::uint32_t> kept;
   for (std::uint32_t v = 0; v < n; ++v) {

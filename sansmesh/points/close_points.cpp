@@ -10,6 +10,7 @@
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/error.h"
 #include "sansmesh/search/box_levels.h"
+#include "sansmesh/search/equal_positions.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/search/neighbour.h"
 
@@ -125,6 +126,7 @@ class CompactRuns {
 
 std::vector<std::uint32_t> close_representatives(std::span<const Vec3f> positions, double distance) {
   check_distance(distance);
+  if (distance == 0) return first_equal_positions(positions);
   const KdTree tree(positions);
   std::vector<std::uint32_t> of(positions.size(), kUnclaimed);
   std::vector<Neighbour> near;
