@@ -1,7 +1,8 @@
-// Median of a list.
+// Robust statistics: median, and weights that reject outliers.
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -15,5 +16,11 @@ T median(std::vector<T>& values) {
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
 }
+
+/// Standard deviation of normal deviates over the median of their magnitudes.
+inline constexpr double kDeviationOverMedian = 1.4826;
+
+/// Tukey's biweight of a deviation relative to its largest accepted one: 1 at 0, 0 from 1 on.
+inline double tukey_weight(double t) { return std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0; }
 
 }  // namespace sansmesh::inline v1

@@ -13,9 +13,9 @@ namespace {
 /// Least number of offsets for a meaningful median.
 constexpr std::size_t kFewestNeighbours = 5;
 constexpr std::size_t kMostNeighbours = 64;
-/// Significance threshold in standard deviations of a median; ratio of the deviation to the median of absolute offsets;
-/// and deviation of medians.
-constexpr double kSurelyNoChance = 4, kDeviationOfMedianOffset = 1.4826, kDeviationOfMedians = 1.2533;
+/// Significance threshold in standard deviations of a median, and deviation of medians over that of the values, both
+/// for n values relative to √n.
+constexpr double kSurelyNoChance = 4, kDeviationOfMedians = 1.2533;
 
 }  // namespace
 
@@ -68,7 +68,7 @@ ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurfac
   std::vector<double> there;
   for (const Local& local : locals) {
     if (local.count == 0) continue;
-    const double deviation = kDeviationOfMedians * kDeviationOfMedianOffset * std::max(local.scatter, usual) /
+    const double deviation = kDeviationOfMedians * kDeviationOverMedian * std::max(local.scatter, usual) /
                              std::sqrt(static_cast<double>(local.count));
     if (std::abs(local.middle) > std::max(least, kSurelyNoChance * deviation)) there.push_back(std::abs(local.middle));
   }

@@ -25,8 +25,6 @@ constexpr double kEverywhere = 1e18;
 constexpr int kIdleSteps = 12;
 constexpr double kNearer = 1e-3;
 
-double tukey(double t) { return std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0; }
-
 struct Pair {
   Vec3 at, foot, normal;
   double distance = -1;  // negative: no match
@@ -86,7 +84,7 @@ double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, P
   Seven b = Seven::Zero();
   for (const Pair& p : pairs) {
     if (p.distance < 0) continue;
-    const double height = dot(p.at - p.foot, p.normal), w = tukey(p.distance / reach);
+    const double height = dot(p.at - p.foot, p.normal), w = tukey_weight(p.distance / reach);
     const Vec3 d = (p.at - center) / radius, turn = cross(d, p.normal);
     Seven row;
     row << p.normal.x, p.normal.y, p.normal.z, turn.x, turn.y, turn.z, dot(d, p.normal);
@@ -180,7 +178,7 @@ double share_on(const OrientedPoints& moving, const Surface& fixed, const Pose& 
           const Vec3 at = pose(moving.x[i]);
           if (!fixed.closest(at, 2 * reach, foot) || foot.beyond) continue;
           if (!alike_normals(pose.turn(moving.n[i]), foot.normal, signs)) continue;
-          part += tukey(norm(at - foot.point) / reach);
+          part += tukey_weight(norm(at - foot.point) / reach);
         }
         return part;
       },

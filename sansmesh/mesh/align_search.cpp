@@ -30,18 +30,6 @@ constexpr std::size_t kMostPairs = 200000, kPosesOfMatch = 12;
 constexpr double kCoarseReach = 3, kFineReach = 1.5;  // for scores, in spacings
 constexpr std::size_t kKeptOfPairs = 60, kKeptOfRotations = 40, kKept = 14;
 
-/// Selects evenly spaced samples.
-OrientedPoints thinned(const OrientedPoints& all, std::size_t most) {
-  OrientedPoints some;
-  const std::size_t count = std::min(all.size(), most);
-  for (std::size_t k = 0; k < count; ++k) {
-    // Neighbours are adjacent in the order of the samples, so equal steps are even in space.
-    some.x.push_back(all.x[k * all.size() / count]);
-    some.n.push_back(all.n[k * all.size() / count]);
-  }
-  return some;
-}
-
 /// Evenly spaced rotations on a spiral in the space of quaternions (Alexa 2022, "Super-Fibonacci spirals").
 Pose spiral_rotation(std::size_t k, std::size_t count) {
   const double phi = std::numbers::sqrt2, psi = 1.533751168755204288118041;
@@ -213,8 +201,8 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
                                     bool scale, Progress& progress) {
   const double spacing = samples.spacing;
   const SampleSurface target(samples.fixed, spacing), source(samples.moving, spacing);
-  const OrientedPoints few_moving = thinned(samples.moving, kOfScore), few_fixed = thinned(samples.fixed, kOfScore);
-  const OrientedPoints many_moving = thinned(samples.moving, kOfFit), many_fixed = thinned(samples.fixed, kOfFit);
+  const OrientedPoints few_moving = samples.moving.some(kOfScore), few_fixed = samples.fixed.some(kOfScore);
+  const OrientedPoints many_moving = samples.moving.some(kOfFit), many_fixed = samples.fixed.some(kOfFit);
   std::vector<FoundPose> found;
 
   progress.begin("try rotations", kRotations);

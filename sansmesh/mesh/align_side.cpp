@@ -17,6 +17,7 @@
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/poisson_discs.h"
 #include "sansmesh/points/sample_faces.h"
+#include "sansmesh/points/subsample.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {
@@ -39,14 +40,6 @@ std::vector<Vec3f> to_floats(const std::vector<Vec3>& x) {
   floats.reserve(x.size());
   for (const Vec3& p : x) floats.emplace_back(p);
   return floats;
-}
-
-/// Evenly spaced selection from the numbers below n.
-std::vector<std::uint32_t> some_of(std::size_t n, std::size_t most) {
-  const std::size_t count = std::min(n, most);
-  std::vector<std::uint32_t> chosen(count);
-  for (std::size_t k = 0; k < count; ++k) chosen[k] = static_cast<std::uint32_t>(k * n / count);
-  return chosen;
 }
 
 /// False if faces contradict each other or are back to back, since the nearest face is then arbitrary.
@@ -80,7 +73,7 @@ std::vector<Vec3> places_that_count(const TriangleMesh& mesh, std::size_t most) 
   for (std::size_t i = 0; i < used.size(); ++i)
     if (used[i] && is_finite(mesh.vertices[i])) places.emplace_back(mesh.vertices[i]);
   std::vector<Vec3> some;
-  for (const std::uint32_t i : some_of(places.size(), most)) some.push_back(places[i]);
+  for (const std::uint32_t i : evenly_spaced(places.size(), most)) some.push_back(places[i]);
   return some;
 }
 
@@ -123,6 +116,12 @@ void blur_normals(OrientedPoints& points) {
 }
 
 }  // namespace
+
+OrientedPoints OrientedPoints::some(std::size_t most) const {
+  OrientedPoints some;
+  for (const std::uint32_t i : evenly_spaced(size(), most)) some.x.push_back(x[i]), some.n.push_back(n[i]);
+  return some;
+}
 
 Pose rotation_by_vector(const Vec3& w) {
   const double angle = norm(w);
@@ -263,14 +262,14 @@ AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
       if (is_finite(mesh.vertices[i])) finite.push_back(static_cast<std::uint32_t>(i));
     const bool given = !mesh.normals.empty();
-    for (const std::uint32_t k : some_of(finite.size(), given ? finite.size() : std::max(most, kDense))) {
+    for (const std::uint32_t k : evenly_spaced(finite.size(), given ? finite.size() : std::max(most, kDense))) {
       cloud.positions.push_back(Vec3f(own(mesh.vertices[finite[k]])));
       if (given) cloud.normals.push_back(mesh.normals[finite[k]]);
     }
     PointSet dense;
     try {
       if (!given) estimate_normals(cloud, {}, progress);
-      for (const std::uint32_t i : some_of(cloud.size(), kDense)) {
+      for (const std::uint32_t i : evenly_spaced(cloud.size(), kDense)) {
         dense.positions.push_back(cloud.positions[i]);
         dense.normals.push_back(cloud.normals[i]);
       }

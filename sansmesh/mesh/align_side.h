@@ -34,6 +34,8 @@ double angle_between(const Pose& a, const Pose& b);
 struct OrientedPoints {
   std::vector<Vec3> x, n;  ///< unit normals, or zero if unknown
   std::size_t size() const { return x.size(); }
+  /// At most this number of them, evenly spaced in their order, in which neighbours are adjacent.
+  OrientedPoints some(std::size_t most) const;
 };
 
 /// Closest point of a surface.

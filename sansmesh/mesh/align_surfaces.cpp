@@ -32,7 +32,7 @@ constexpr std::size_t kComparedPoses = 6, kOnTheWay = 3000, kOfComparison = 1500
 /// Poses below this fraction of the best score are not refined.
 constexpr double kWorthALook = 0.85;
 /// Final reach: in standard deviations, and least in sizes.
-constexpr double kReachOverDeviation = 4, kDeviationOfMedian = 1.4826, kLeastReach = 0.002;
+constexpr double kReachOverDeviation = 4, kLeastReach = 0.002;
 constexpr double kStepOverMedian = 0.005;
 constexpr double kLeastOverlap = 0.2;
 /// Points of a fixed cloud: least number, and number per sample.
@@ -43,19 +43,10 @@ constexpr double kLeastDifference = 0.003, kDifferenceReach = 0.1, kMirroredShar
 /// With a larger reach (in sizes) everything matches everything.
 constexpr double kWidestReach = 0.15;
 
-std::vector<std::uint32_t> chosen_of(std::size_t n, std::size_t most) {
-  const std::size_t count = std::min(n, most);
-  std::vector<std::uint32_t> chosen(count);
-  for (std::size_t k = 0; k < count; ++k) chosen[k] = static_cast<std::uint32_t>(k * n / count);
-  return chosen;
-}
-
 OrientedPoints samples_of(const AlignSide& side, std::size_t most) {
   const OrientedPoints& all =
       side.is_mesh || side.all.size() <= side.dense.size() || most <= side.dense.size() ? side.dense : side.all;
-  OrientedPoints some;
-  for (const std::uint32_t i : chosen_of(all.size(), most)) some.x.push_back(all.x[i]), some.n.push_back(all.n[i]);
-  return some;
+  return all.some(most);
 }
 
 /// Remaining distances of the samples on the surface.
@@ -79,7 +70,7 @@ FitResult fit_closely(const OrientedPoints& few, const OrientedPoints& many, con
   fit.last_step = 1e-4;
   FitResult rough = detail::fit_pose(few, fixed, start, fit);
   std::vector<double> left = left_between(few, fixed, rough.pose, rough.reach, signs);
-  fit.reach = fit.least_reach = std::max(kLeastReach, kReachOverDeviation * kDeviationOfMedian * median(left));
+  fit.reach = fit.least_reach = std::max(kLeastReach, kReachOverDeviation * kDeviationOverMedian * median(left));
   // Steps below the noise of the samples are insignificant.
   fit.last_step = std::max(1e-7, kStepOverMedian * median(left));
   FitResult close = detail::fit_pose(many, fixed, rough.pose, fit);

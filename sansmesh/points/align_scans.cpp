@@ -30,8 +30,6 @@ constexpr double kWidestReach = 8, kNarrowestReach = 0.5, kNoiseReach = 6;
 /// Offset of the neighbours' centroid relative to their radius (0.42 at a straight border) beyond which the scan ends.
 constexpr double kMostAside = 0.33;
 constexpr double kLeastCosine = 0.5;
-/// Ratio of the standard deviation to the median magnitude.
-constexpr double kDeviationOfMedian = 1.4826;
 /// Motions that change the distances by less than this share are poorly determined: they are damped.
 constexpr double kDamping = 1e-4;
 /// Samples per scan that suffice until steps are as small as this factor of the last one.
@@ -43,8 +41,6 @@ constexpr double kTellableOverSpacing = 0.1;
 /// Motions are applied only if they reduce the loss below this factor.
 constexpr double kMostLossLeft = 0.9;
 constexpr double kWarpedOverNoise = 2;
-
-double tukey_weight(double t) { return std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0; }
 
 /// Point of the surface of a scan.
 struct SurfacePlace {
@@ -161,7 +157,7 @@ void measure_scan(const PointSet& points, Scan& scan) {
     if (one) heights.push_back((*one)[0]), radii.push_back((*one)[1]);
   scan.spacing = median(radii) * std::sqrt(std::numbers::pi / static_cast<double>(kOfQuadric));
   // A quadric through n samples has a variance of about 4/n of theirs at its centre.
-  scan.noise = kDeviationOfMedian * median(heights) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
+  scan.noise = kDeviationOverMedian * median(heights) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
   if (scan.spacing > 0)
     scan.neighbours =
         std::min(kMostOfQuadric,
@@ -295,7 +291,7 @@ std::vector<double> deviations_of(const std::vector<Comparison>& all, std::size_
     }
   std::vector<double> found(scans);
   for (std::size_t s = 0; s < scans; ++s)
-    found[s] = kDeviationOfMedian * median(heights[s]) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
+    found[s] = kDeviationOverMedian * median(heights[s]) / std::sqrt(1 + 4.0 / static_cast<double>(kOfQuadric));
   return found;
 }
 

@@ -86,12 +86,9 @@ std::optional<double> residual_deviation(const Neighbourhood& neighbourhood, std
       q.residuals[i] = q.heights[i] - row.dot(c);
       q.magnitudes[i] = std::abs(q.residuals[i]);
     }
-    deviation =
-        1.4826 * median(q.magnitudes) * std::sqrt(static_cast<double>(n) / static_cast<double>(n - kCoefficients));
-    for (std::size_t i = 0; i < n; ++i) {  // Tukey's biweight
-      const double t = q.residuals[i] / (4.685 * deviation + 1e-12);
-      q.weights[i] = std::abs(t) < 1 ? (1 - t * t) * (1 - t * t) : 0;
-    }
+    deviation = kDeviationOverMedian * median(q.magnitudes) *
+                std::sqrt(static_cast<double>(n) / static_cast<double>(n - kCoefficients));
+    for (std::size_t i = 0; i < n; ++i) q.weights[i] = tukey_weight(q.residuals[i] / (4.685 * deviation + 1e-12));
   }
   return deviation * radius;
 }

@@ -9,6 +9,7 @@
 
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/noise.h"
@@ -65,9 +66,7 @@ class NormalFitter {
     for (int round = 0; round < reweightings_; ++round) {
       for (std::size_t i = 0; i < n; ++i) heights_[i] = std::abs(dot(Vec3(offsets_[i]) - mean, normal));
       sorted_ = heights_;
-      const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(n / 2);
-      std::nth_element(sorted_.begin(), middle, sorted_.end());
-      const double scale = std::max(2 * 1.4826 * *middle, 1.5 * noise) + 1e-9;
+      const double scale = std::max(2 * kDeviationOverMedian * median(sorted_), 1.5 * noise) + 1e-9;
       for (std::size_t i = 0; i < n; ++i) {
         const double t = heights_[i] / scale;
         weights_[i] = 1 / ((1 + t * t) * (1 + t * t));

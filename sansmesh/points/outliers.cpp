@@ -71,7 +71,7 @@ struct RobustPlane {
       heights.clear();
       for (const Vec3f& p : places) heights.push_back(std::abs(height(p)));
       std::vector<double> sorted = heights;
-      deviation = 1.4826 * median(sorted);
+      deviation = kDeviationOverMedian * median(sorted);
       for (std::size_t i = 0; i < places.size(); ++i) {  // Geman–McClure
         const double t = heights[i] / (3 * deviation + 1e-30), w = 1 / (1 + t * t);
         weights[i] = w * w;

@@ -5,18 +5,11 @@
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/scramble.h"
 #include "sansmesh/data/triangles.h"
 
 namespace sansmesh::inline v1 {
 namespace {
-
-/// Uniform in [0, 1) from a counter (finaliser of SplitMix64): samples are independent of each other.
-double uniform(std::uint64_t counter) {
-  std::uint64_t z = (counter + 1) * 0x9E3779B97F4A7C15u;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1p-53;
-}
 
 /// Interpolates attributes of vertices, and copies those of triangles.
 void carry_attributes(const PointSet& mesh, const std::vector<FaceSample>& samples, PointSet& cloud) {
@@ -51,12 +44,12 @@ std::vector<FaceSample> sample_triangles(std::span<const Vec3f> vertices, std::s
   if (!(total > 0)) return {};
   std::vector<FaceSample> samples(count);
   parallel_for(0, count, 2048, [&](std::size_t i) {
-    const double at = (static_cast<double>(i) + uniform(3 * i)) / static_cast<double>(count) * total;
+    const double at = (static_cast<double>(i) + unit_random(3 * i)) / static_cast<double>(count) * total;
     auto found = std::upper_bound(area.begin(), area.end(), at);
     if (found == area.end()) found = std::lower_bound(area.begin(), area.end(), total);  // rounding beyond the end
     const auto index = static_cast<std::size_t>(found - area.begin());
     const Triangle& t = triangles[index];
-    double u = uniform(3 * i + 1), v = uniform(3 * i + 2);
+    double u = unit_random(3 * i + 1), v = unit_random(3 * i + 2);
     if (u + v > 1) u = 1 - u, v = 1 - v;
     const Vec3 a(vertices[t[0]]), b(vertices[t[1]]), c(vertices[t[2]]);
     samples[i] = {a + (b - a) * u + (c - a) * v, Vec3f(normalized(cross(b - a, c - a))),
