@@ -4,7 +4,7 @@
 #include <memory>
 #include <utility>
 
-#include "sansmesh/field/similarity.h"
+#include "sansmesh/data/similarity.h"
 #include "sansmesh/scalar_field.h"
 
 namespace sansmesh::inline v1 {
@@ -20,7 +20,7 @@ class PlacedField : public ScalarField {
 
   Box3 bounds() const override {
     const Box3 box = field_.bounds();
-    return {place_.apply(box.lower), place_.apply(box.upper)};
+    return {place_(box.lower), place_(box.upper)};
   }
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
     field_.evaluate(place_.back(x), values, gradients);

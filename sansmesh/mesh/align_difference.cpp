@@ -19,7 +19,7 @@ constexpr double kSurelyNoChance = 4, kDeviationOfMedians = 1.2533;
 
 }  // namespace
 
-ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurface& fixed, const Pose& pose,
+ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurface& fixed, const Similarity& pose,
                                  double spacing, double reach, double least, bool signs) {
   struct Offset {
     Vec3 offset, normal;

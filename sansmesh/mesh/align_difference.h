@@ -13,7 +13,7 @@ struct ShapeDifference {
 /// Noise varies between neighbouring samples, shape does not: compares the median offset of the samples within
 /// `spacing` of each sample with the value expected from their scatter, and with `least` (length), below which there is
 /// no difference. Ignores samples beyond borders, farther than `reach` from the surface, or with another normal.
-ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurface& fixed, const Pose& pose,
+ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurface& fixed, const Similarity& pose,
                                  double spacing, double reach, double least, bool signs);
 
 }  // namespace sansmesh::inline v1::detail

@@ -31,7 +31,7 @@ struct Pair {
 };
 
 template <class Surface>
-void find_pairs(const OrientedPoints& moving, const Surface& fixed, const Pose& pose, double reach, bool signs,
+void find_pairs(const OrientedPoints& moving, const Surface& fixed, const Similarity& pose, double reach, bool signs,
                 std::vector<Pair>& pairs) {
   pairs.resize(moving.size());
   parallel_for(0, moving.size(), 128, [&](std::size_t i) {
@@ -53,7 +53,7 @@ void find_pairs(const OrientedPoints& moving, const Surface& fixed, const Pose& 
 
 /// Distance that contains most samples, regardless of matches.
 template <class Surface>
-double distance_of_most(const OrientedPoints& moving, const Surface& fixed, const Pose& pose) {
+double distance_of_most(const OrientedPoints& moving, const Surface& fixed, const Similarity& pose) {
   std::vector<double> distances(moving.size());
   parallel_for(0, moving.size(), 128, [&](std::size_t i) {
     Foot foot;
@@ -68,7 +68,8 @@ double distance_of_most(const OrientedPoints& moving, const Surface& fixed, cons
 
 /// Moves the pose; returns the rms motion of the pairs without undetermined motions, since sliding along the surface
 /// does not reduce distances.
-double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, Pose& pose, std::vector<double>& told) {
+double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, Similarity& pose,
+                     std::vector<double>& told) {
   const Eigen::Index unknowns = scale ? 7 : 6;
   Vec3 center;
   double count = 0, weights = 0;
@@ -113,11 +114,8 @@ double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, P
   if (!x.allFinite()) return 0;
   Vec3 turn = Vec3{x[3], x[4], x[5]} / radius;
   if (norm(turn) > kMostTurn) turn = turn * (kMostTurn / norm(turn));
-  const Pose rotation = rotation_by_vector(turn);
   const double factor = scale ? std::clamp(std::exp(x[6] / radius), 0.5, 2.0) : 1;
-  const Vec3 shift{x[0], x[1], x[2]};
-  pose = {rotation.turn(pose.x), rotation.turn(pose.y), rotation.turn(pose.z), pose.scale * factor,
-          rotation.turn(pose.shift - center) * factor + center + shift};
+  pose = pose.moved(center, turn, factor, {x[0], x[1], x[2]});
   const Eigen::VectorXd motions = eigen.eigenvectors().transpose() * (m * x);
   double squares = 0;
   for (Eigen::Index k = 0; k < unknowns; ++k)
@@ -134,7 +132,8 @@ bool alike_normals(const Vec3& a, const Vec3& b, bool signs) {
 }
 
 template <class Surface>
-FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pose& start, const FitOptions& options) {
+FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Similarity& start,
+                   const FitOptions& options) {
   FitResult result;
   result.pose = start;
   double reach = options.reach > 0 ? options.reach : 1.5 * distance_of_most(moving, fixed, start);
@@ -163,11 +162,15 @@ FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pos
   result.reach = reach;
   return result;
 }
-template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Pose&, const FitOptions&);
-template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Pose&, const FitOptions&);
+template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Similarity&, const FitOptions&);
+template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Similarity&, const FitOptions&);
 
+namespace {
+
+/// Overlap of samples with a surface: the mean of (1 − (distance / reach)²)², 0 for samples off the surface.
 template <class Surface>
-double share_on(const OrientedPoints& moving, const Surface& fixed, const Pose& pose, double reach, bool signs) {
+double overlap_with(const OrientedPoints& moving, const Surface& fixed, const Similarity& pose, double reach,
+                    bool signs) {
   if (moving.size() == 0) return 0;
   const double sum = parallel_reduce(
       moving.size(), 128, 0.0,
@@ -185,23 +188,23 @@ double share_on(const OrientedPoints& moving, const Surface& fixed, const Pose& 
       [](double x, double y) { return x + y; });
   return sum / static_cast<double>(moving.size());
 }
-template double share_on(const OrientedPoints&, const SampleSurface&, const Pose&, double, bool);
-template double share_on(const OrientedPoints&, const WholeSurface&, const Pose&, double, bool);
+
+}  // namespace
 
 template <class Surface>
-double share_back(const OrientedPoints& fixed, const Surface& moving, const Pose& pose, double reach, bool signs) {
-  const Pose back{{pose.x.x, pose.y.x, pose.z.x},
-                  {pose.x.y, pose.y.y, pose.z.y},
-                  {pose.x.z, pose.y.z, pose.z.z},
-                  1 / pose.scale,
-                  pose.turn_back(pose.shift) * (-1 / pose.scale)};
-  return share_on(fixed, moving, back, reach / pose.scale, signs);
+double mutual_overlap(const OrientedPoints& moving, const Surface& fixed_surface, const OrientedPoints& fixed,
+                      const Surface& moving_surface, const Similarity& pose, double reach, bool signs) {
+  return (overlap_with(moving, fixed_surface, pose, reach, signs) +
+          overlap_with(fixed, moving_surface, pose.inverse(), reach / pose.scale, signs)) /
+         2;
 }
-template double share_back(const OrientedPoints&, const SampleSurface&, const Pose&, double, bool);
-template double share_back(const OrientedPoints&, const WholeSurface&, const Pose&, double, bool);
+template double mutual_overlap(const OrientedPoints&, const SampleSurface&, const OrientedPoints&, const SampleSurface&,
+                               const Similarity&, double, bool);
+template double mutual_overlap(const OrientedPoints&, const WholeSurface&, const OrientedPoints&, const WholeSurface&,
+                               const Similarity&, double, bool);
 
 std::vector<std::optional<double>> distances_to(const OrientedPoints& moving, const WholeSurface& fixed,
-                                                const Pose& pose, double reach, bool signs, bool any) {
+                                                const Similarity& pose, double reach, bool signs, bool any) {
   std::vector<std::optional<double>> all(moving.size());
   parallel_for(0, moving.size(), 128, [&](std::size_t i) {
     Foot foot;

@@ -25,7 +25,7 @@ struct FitOptions {
 constexpr double kToldShare = 3e-4;
 
 struct FitResult {
-  Pose pose;
+  Similarity pose;
   int iterations = 0;
   double reach = 0;  ///< final largest distance
   /// Share of each independent motion that the distances determine, ascending; of the last step.
@@ -38,25 +38,24 @@ bool alike_normals(const Vec3& a, const Vec3& b, bool signs);
 /// Gauss–Newton on the distances to the tangent planes of the surface, with Tukey weights. `closest(place, reach,
 /// foot)` evaluates the surface: a SampleSurface or a WholeSurface.
 template <class Surface>
-FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pose& start, const FitOptions& options);
-extern template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Pose&, const FitOptions&);
-extern template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Pose&, const FitOptions&);
+FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Similarity& start,
+                   const FitOptions& options);
+extern template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Similarity&, const FitOptions&);
+extern template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Similarity&, const FitOptions&);
 
-/// Overlap score of samples with a surface: the mean over all samples of (1 − (distance / reach)²)², 0 for samples off
-/// the surface.
+/// Overlap of two surfaces, 0..1: the mean, over the samples of both, of (1 − (distance / reach)²)², which is 0 for
+/// samples off the other surface.
 template <class Surface>
-double share_on(const OrientedPoints& moving, const Surface& fixed, const Pose& pose, double reach, bool signs);
-extern template double share_on(const OrientedPoints&, const SampleSurface&, const Pose&, double, bool);
-extern template double share_on(const OrientedPoints&, const WholeSurface&, const Pose&, double, bool);
-/// Same, for samples of the fixed surface on the moving one.
-template <class Surface>
-double share_back(const OrientedPoints& fixed, const Surface& moving, const Pose& pose, double reach, bool signs);
-extern template double share_back(const OrientedPoints&, const SampleSurface&, const Pose&, double, bool);
-extern template double share_back(const OrientedPoints&, const WholeSurface&, const Pose&, double, bool);
+double mutual_overlap(const OrientedPoints& moving, const Surface& fixed_surface, const OrientedPoints& fixed,
+                      const Surface& moving_surface, const Similarity& pose, double reach, bool signs);
+extern template double mutual_overlap(const OrientedPoints&, const SampleSurface&, const OrientedPoints&,
+                                      const SampleSurface&, const Similarity&, double, bool);
+extern template double mutual_overlap(const OrientedPoints&, const WholeSurface&, const OrientedPoints&,
+                                      const WholeSurface&, const Similarity&, double, bool);
 
 /// Distance of each sample to the surface; nothing for samples that do not match. `any`: at any distance, and beyond
 /// borders.
 std::vector<std::optional<double>> distances_to(const OrientedPoints& moving, const WholeSurface& fixed,
-                                                const Pose& pose, double reach, bool signs, bool any);
+                                                const Similarity& pose, double reach, bool signs, bool any);
 
 }  // namespace sansmesh::inline v1::detail

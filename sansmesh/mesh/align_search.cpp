@@ -12,6 +12,7 @@
 #include "sansmesh/mesh/align_fit.h"
 #include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/point_features.h"
+#include "sansmesh/points/subsample.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {
@@ -31,34 +32,31 @@ constexpr double kCoarseReach = 3, kFineReach = 1.5;  // for scores, in spacings
 constexpr std::size_t kKeptOfPairs = 60, kKeptOfRotations = 40, kKept = 14;
 
 /// Evenly spaced rotations on a spiral in the space of quaternions (Alexa 2022, "Super-Fibonacci spirals").
-Pose spiral_rotation(std::size_t k, std::size_t count) {
+Similarity spiral_rotation(std::size_t k, std::size_t count) {
   const double phi = std::numbers::sqrt2, psi = 1.533751168755204288118041;
   const double s = static_cast<double>(k) + 0.5, t = s / static_cast<double>(count), d = 2 * std::numbers::pi * s;
   const double r = std::sqrt(t), q = std::sqrt(1 - t), alpha = d / phi, beta = d / psi;
   const double x = r * std::sin(alpha), y = r * std::cos(alpha), z = q * std::sin(beta), w = q * std::cos(beta);
-  return {{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
-          {2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
-          {2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)},
+  return {{Vec3{1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)},
+           Vec3{2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)},
+           Vec3{2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)}},
           1,
           {}};
 }
 
 /// The four rotations that align the principal axes of both surfaces.
-std::vector<Pose> principal_rotations(const OrientedPoints& moving, const OrientedPoints& fixed) {
+std::vector<Similarity> principal_rotations(const OrientedPoints& moving, const OrientedPoints& fixed) {
   const auto axes_of = [](const OrientedPoints& p) {
     const std::vector<Vec3f> x(p.x.begin(), p.x.end());
     return principal_axes(moments(x).covariance);
   };
   const PrincipalAxes a = axes_of(moving), b = axes_of(fixed);
-  std::vector<Pose> all;
+  std::vector<Similarity> all;
   for (int flips = 0; flips < 4; ++flips) {
     const Vec3 u = b.axes[0] * (flips & 1 ? -1.0 : 1.0), v = b.axes[1] * (flips & 2 ? -1.0 : 1.0), w = cross(u, v);
     const Vec3 last = cross(a.axes[0], a.axes[1]);
-    Pose p;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3 column = u * a.axes[0][k] + v * a.axes[1][k] + w * last[k];
-      (k == 0 ? p.x : k == 1 ? p.y : p.z) = column;
-    }
+    Similarity p;
+    for (std::size_t k = 0; k < 3; ++k) p.columns[k] = u * a.axes[0][k] + v * a.axes[1][k] + w * last[k];
     all.push_back(p);
   }
   return all;
@@ -95,8 +93,7 @@ std::vector<Match> match_features(const std::vector<PointFeature>& moving, const
   for (std::uint32_t i = 0; i < there.size(); ++i)
     if (back[there[i].first].first == i) mutual.emplace_back(there[i].second, Match{i, there[i].first});
   std::vector<Match> matches;
-  for (std::size_t k = 0; k < std::min(mutual.size(), kMostMatches); ++k)
-    matches.push_back(mutual[k * mutual.size() / std::min(mutual.size(), kMostMatches)].second);
+  for (const std::uint32_t k : evenly_spaced(mutual.size(), kMostMatches)) matches.push_back(mutual[k].second);
   return matches;
 }
 
@@ -140,11 +137,10 @@ std::vector<FoundPose> poses_of_matches(const OrientedPoints& moving, const Orie
       Vec3 from[3], to[3];
       if (!frame_of(d, na + nb, from) || !frame_of(e, ma + mb, to)) continue;
       FoundPose found;
-      Pose& p = found.pose;
-      for (std::size_t k = 0; k < 3; ++k)
-        (k == 0 ? p.x : k == 1 ? p.y : p.z) = to[0] * from[0][k] + to[1] * from[1][k] + to[2] * from[2][k];
+      Similarity& p = found.pose;
+      for (std::size_t k = 0; k < 3; ++k) p.columns[k] = to[0] * from[0][k] + to[1] * from[1][k] + to[2] * from[2][k];
       p.scale = scale ? factor : 1;
-      p.shift =
+      p.translation =
           (fixed.x[a.fixed] + fixed.x[b.fixed]) / 2 - p.turn((moving.x[a.moving] + moving.x[b.moving]) / 2) * p.scale;
       const double reach = kMatchReach * spacing;
       for (const Match& m : matches) {
@@ -155,21 +151,18 @@ std::vector<FoundPose> poses_of_matches(const OrientedPoints& moving, const Orie
       if (of_first[i].size() >= kPosesOfMatch) break;
     }
     // Poses from the same match hardly differ.
-    std::stable_sort(of_first[i].begin(), of_first[i].end(),
-                     [](const FoundPose& x, const FoundPose& y) { return x.score > y.score; });
+    std::stable_sort(of_first[i].begin(), of_first[i].end());
     if (of_first[i].size() > 4) of_first[i].resize(4);
   });
   std::vector<FoundPose> found;
   for (const auto& part : of_first) found.insert(found.end(), part.begin(), part.end());
-  std::stable_sort(found.begin(), found.end(),
-                   [](const FoundPose& x, const FoundPose& y) { return x.score > y.score; });
+  std::stable_sort(found.begin(), found.end());
   return found;
 }
 
 void keep_different(std::vector<FoundPose>& found, const AlignSide& moving, double angle, double distance,
                     std::size_t most) {
-  std::stable_sort(found.begin(), found.end(),
-                   [](const FoundPose& x, const FoundPose& y) { return x.score > y.score; });
+  std::stable_sort(found.begin(), found.end());
   std::vector<FoundPose> kept;
   for (const FoundPose& f : found) {
     if (kept.size() >= most) break;
@@ -182,7 +175,7 @@ void keep_different(std::vector<FoundPose>& found, const AlignSide& moving, doub
 
 }  // namespace
 
-bool nearly_same(const Pose& a, const Pose& b, const AlignSide& moving, double angle, double distance) {
+bool nearly_same(const Similarity& a, const Similarity& b, const AlignSide& moving, double angle, double distance) {
   return angle_between(a, b) < angle && norm(a(moving.centroid) - b(moving.centroid)) < distance &&
          std::abs(std::log(a.scale / b.scale)) < 0.1;
 }
@@ -208,20 +201,18 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
   progress.begin("try rotations", kRotations);
   {
     std::vector<FoundPose> turned(kRotations + 4);
-    const std::vector<Pose> principal = principal_rotations(samples.moving, samples.fixed);
+    const std::vector<Similarity> principal = principal_rotations(samples.moving, samples.fixed);
     FitOptions fit;
     fit.iterations = 8;
     fit.least_reach = kCoarseReach * spacing;
     fit.signs = samples.signs;
     parallel_for(0, turned.size(), 1, [&](std::size_t k) {
-      Pose p = k < kRotations ? spiral_rotation(k, kRotations) : principal[k - kRotations];
+      Similarity p = k < kRotations ? spiral_rotation(k, kRotations) : principal[k - kRotations];
       p.scale = scale ? fixed.radius / moving.radius : 1;
-      p.shift = fixed.centroid - p.turn(moving.centroid) * p.scale;
+      p.translation = fixed.centroid - p.turn(moving.centroid) * p.scale;
       FoundPose& f = turned[k];
       f.pose = fit_pose(few_moving, target, p, fit).pose;
-      f.score = (share_on(few_moving, target, f.pose, kCoarseReach * spacing, samples.signs) +
-                 share_back(few_fixed, source, f.pose, kCoarseReach * spacing, samples.signs)) /
-                2;
+      f.score = mutual_overlap(few_moving, target, few_fixed, source, f.pose, kCoarseReach * spacing, samples.signs);
       progress.advance();
     });
     keep_different(turned, moving, 0.2, 4 * spacing, kKeptOfRotations);
@@ -252,9 +243,7 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
   parallel_for(0, found.size(), 1, [&](std::size_t k) {
     FoundPose& f = found[k];
     f.pose = fit_pose(many_moving, target, f.pose, fit).pose;
-    f.score = (share_on(many_moving, target, f.pose, kFineReach * spacing, samples.signs) +
-               share_back(many_fixed, source, f.pose, kFineReach * spacing, samples.signs)) /
-              2;
+    f.score = mutual_overlap(many_moving, target, many_fixed, source, f.pose, kFineReach * spacing, samples.signs);
     progress.advance();
   });
   keep_different(found, moving, 0.1, 2 * spacing, kKept);

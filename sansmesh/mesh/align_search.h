@@ -18,8 +18,10 @@ struct SearchSamples {
 SearchSamples search_samples(const AlignSide& moving, const AlignSide& fixed);
 
 struct FoundPose {
-  Pose pose;
+  Similarity pose;
   double score = 0;  ///< mean overlap of both surfaces, 0..1
+  /// Best first.
+  friend bool operator<(const FoundPose& a, const FoundPose& b) { return a.score > b.score; }
 };
 
 /// Best distinct poses, best first, from evenly spaced rotations about the centre and from pairs of points with similar
@@ -28,6 +30,6 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
                                     bool scale, Progress& progress);
 
 /// Whether two poses move the samples to nearly the same positions.
-bool nearly_same(const Pose& a, const Pose& b, const AlignSide& moving, double angle, double distance);
+bool nearly_same(const Similarity& a, const Similarity& b, const AlignSide& moving, double angle, double distance);
 
 }  // namespace sansmesh::inline v1::detail

@@ -123,20 +123,6 @@ OrientedPoints OrientedPoints::some(std::size_t most) const {
   return some;
 }
 
-Pose rotation_by_vector(const Vec3& w) {
-  const double angle = norm(w);
-  const Vec3 axis = angle > 0 ? w / angle : Vec3{0, 0, 1};
-  const auto turned = [&](const Vec3& v) {
-    return v * std::cos(angle) + cross(axis, v) * std::sin(angle) + axis * (dot(axis, v) * (1 - std::cos(angle)));
-  };
-  return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), 1, {}};
-}
-
-double angle_between(const Pose& a, const Pose& b) {
-  const double trace = dot(a.x, b.x) + dot(a.y, b.y) + dot(a.z, b.z);
-  return std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0));
-}
-
 SampleSurface::SampleSurface(OrientedPoints points, double spacing) : points_(std::move(points)), spacing_(spacing) {
   const std::vector<Vec3f> x = to_floats(points_.x);
   tree_ = KdTree(x);

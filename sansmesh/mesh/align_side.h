@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sansmesh/data/similarity.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
@@ -13,23 +14,6 @@
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1::detail {
-
-/// Similarity p → scale · R p + shift; x, y, z are the columns of R.
-struct Pose {
-  Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
-  double scale = 1;
-  Vec3 shift;
-
-  Vec3 turn(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
-  Vec3 turn_back(const Vec3& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
-  Vec3 operator()(const Vec3& p) const { return turn(p) * scale + shift; }
-  Vec3 inverse(const Vec3& p) const { return turn_back(p - shift) / scale; }
-};
-
-/// Rotation by a rotation vector (radians).
-Pose rotation_by_vector(const Vec3& w);
-/// Angle between the rotations of two poses, 0..π.
-double angle_between(const Pose& a, const Pose& b);
 
 struct OrientedPoints {
   std::vector<Vec3> x, n;  ///< unit normals, or zero if unknown

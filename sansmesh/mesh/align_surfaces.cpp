@@ -20,7 +20,6 @@ using detail::FitOptions;
 using detail::FitResult;
 using detail::FoundPose;
 using detail::OrientedPoints;
-using detail::Pose;
 using detail::SearchSamples;
 
 /// Overlap of both surfaces above which no global search is needed.
@@ -50,8 +49,8 @@ OrientedPoints samples_of(const AlignSide& side, std::size_t most) {
 }
 
 /// Remaining distances of the samples on the surface.
-std::vector<double> left_between(const OrientedPoints& samples, const detail::WholeSurface& fixed, const Pose& pose,
-                                 double reach, bool signs) {
+std::vector<double> left_between(const OrientedPoints& samples, const detail::WholeSurface& fixed,
+                                 const Similarity& pose, double reach, bool signs) {
   std::vector<double> left;
   for (const auto& d : detail::distances_to(samples, fixed, pose, reach, signs, false))
     if (d && *d <= reach) left.push_back(*d);
@@ -60,7 +59,7 @@ std::vector<double> left_between(const OrientedPoints& samples, const detail::Wh
 
 /// Fits to the surface itself, first with few samples, then with all.
 FitResult fit_closely(const OrientedPoints& few, const OrientedPoints& many, const detail::WholeSurface& fixed,
-                      const Pose& start, double reach, const SurfaceAlignmentOptions& options, bool signs) {
+                      const Similarity& start, double reach, const SurfaceAlignmentOptions& options, bool signs) {
   FitOptions fit;
   fit.iterations = options.iterations;
   fit.reach = reach;
@@ -153,15 +152,13 @@ SurfaceAlignment align(const TriangleMesh& moving_mesh, const TriangleMesh& fixe
   const OrientedPoints few = samples_of(moving, std::min(options.samples, kOnTheWay)),
                        many = samples_of(moving, options.samples);
 
-  Pose start;
+  Similarity start;
   start.scale = moving_unit / fixed_size;
-  start.shift = (moving_origin - fixed_origin) / fixed_size;
+  start.translation = (moving_origin - fixed_origin) / fixed_size;
   const double fine = coarse.spacing;
   const OrientedPoints few_fixed = samples_of(fixed, kOnTheWay);
-  const auto score = [&](const Pose& pose) {
-    return (detail::share_on(few, surface, pose, fine, signs) +
-            detail::share_back(few_fixed, back, pose, fine, signs)) /
-           2;
+  const auto score = [&](const Similarity& pose) {
+    return detail::mutual_overlap(few, surface, few_fixed, back, pose, fine, signs);
   };
 
   SurfaceAlignment result;
@@ -197,23 +194,24 @@ SurfaceAlignment align(const TriangleMesh& moving_mesh, const TriangleMesh& fixe
       best = fit_closely(few, many, surface, tried[0].first.pose, 2 * coarse.spacing, options, signs);
       result.start = AlignStart::anywhere;
     }
-    std::vector<Pose> others;
+    std::vector<Similarity> others;
     for (const auto& [f, s] : tried) {
       if (!best || s < kAsGood * best_score ||
           detail::nearly_same(f.pose, best->pose, moving, kOtherAngle, kOtherPlace))
         continue;
-      if (std::any_of(others.begin(), others.end(),
-                      [&](const Pose& o) { return detail::nearly_same(o, f.pose, moving, kOtherAngle, kOtherPlace); }))
+      if (std::any_of(others.begin(), others.end(), [&](const Similarity& o) {
+            return detail::nearly_same(o, f.pose, moving, kOtherAngle, kOtherPlace);
+          }))
         continue;
       others.push_back(f.pose);
-      result.alternative_angles.push_back(detail::angle_between(f.pose, best->pose) * 180 / std::numbers::pi);
+      result.alternative_angles.push_back(angle_between(f.pose, best->pose) * 180 / std::numbers::pi);
     }
     result.alternatives = others.size();
   }
   if (!best) best.emplace().pose = start;
 
   progress.begin("residuals");
-  const Pose& pose = best->pose;
+  const Similarity& pose = best->pose;
   result.iterations = best->iterations;
   result.samples = many.size();
   result.reach = best->reach * fixed_size;
@@ -243,10 +241,10 @@ SurfaceAlignment align(const TriangleMesh& moving_mesh, const TriangleMesh& fixe
   result.size_ratio = moving_size / fixed_size;
 
   SimilarityMotion& m = result.motion;
-  m.x = pose.x, m.y = pose.y, m.z = pose.z;
+  m.x = pose.columns[0], m.y = pose.columns[1], m.z = pose.columns[2];
   m.scale = options.find_scale ? pose.scale * fixed_size / moving_unit : 1;
   m.from = moving_origin;
-  m.to = fixed_origin + pose.shift * fixed_size;
+  m.to = fixed_origin + pose.translation * fixed_size;
   return result;
 }
 

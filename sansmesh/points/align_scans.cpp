@@ -179,7 +179,7 @@ struct Comparison {
 
 /// Compares every `every`-th chosen sample.
 std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>& scans,
-                                const std::vector<RigidMotion>& motions, double reach, std::size_t every = 1) {
+                                const std::vector<Similarity>& motions, double reach, std::size_t every = 1) {
   std::vector<Comparison> all;
   for (std::size_t s = 0; s < scans.size(); ++s) {
     const std::vector<std::uint32_t>& chosen = scans[s].chosen;
@@ -194,7 +194,7 @@ std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>&
         const Vec3 n = motions[s].turn(Vec3(points.normals[i]));
         for (std::size_t t = 0; t < scans.size(); ++t) {
           if (t == s) continue;
-          const Vec3 q = motions[t].inverse(p);
+          const Vec3 q = motions[t].back(p);
           if (!box_near(scans[t].box, q, reach)) continue;
           const double aside = 1.5 * scans[t].spacing;
           const auto there = surface_at(points, scans[t], q, std::hypot(reach, aside), false, scratch);
@@ -220,19 +220,9 @@ double mean_loss(const std::vector<Comparison>& all, double width) {
   return all.empty() ? 0 : sum / static_cast<double>(all.size());
 }
 
-/// Rotation by a rotation vector.
-RigidMotion rotation_by(const Vec3& w) {
-  const double angle = norm(w);
-  const Vec3 axis = angle > 0 ? w / angle : Vec3{0, 0, 1};
-  const auto turned = [&](const Vec3& v) {
-    return v * std::cos(angle) + cross(axis, v) * std::sin(angle) + axis * (dot(axis, v) * (1 - std::cos(angle)));
-  };
-  return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), {}};
-}
-
 /// One Gauss–Newton step; returns the largest rms displacement of a scan.
 double take_step(const std::vector<Scan>& scans, const std::vector<Comparison>& all, double width,
-                 std::vector<RigidMotion>& motions) {
+                 std::vector<Similarity>& motions) {
   const std::size_t n = scans.size();
   std::vector<Vec3> centers(n);
   for (std::size_t s = 0; s < n; ++s) centers[s] = motions[s](scans[s].centroid);
@@ -273,10 +263,7 @@ double take_step(const std::vector<Scan>& scans, const std::vector<Comparison>& 
     const Six d = x.segment<6>(6 * static_cast<Eigen::Index>(s));
     if (!d.allFinite()) continue;
     most = std::max(most, std::sqrt(d.dot(scans[s].mass * d) / static_cast<double>(scans[s].chosen.size())));
-    const RigidMotion turn = rotation_by(Vec3{d[3], d[4], d[5]} / scans[s].radius);
-    RigidMotion& m = motions[s];
-    m = {turn.turn(m.x), turn.turn(m.y), turn.turn(m.z),
-         turn.turn(m.shift - centers[s]) + centers[s] + Vec3{d[0], d[1], d[2]}};
+    motions[s] = motions[s].moved(centers[s], Vec3{d[3], d[4], d[5]} / scans[s].radius, 1, Vec3{d[0], d[1], d[2]});
   }
   return most;
 }
@@ -393,7 +380,7 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
   const double widest = kWidestReach * result.spacing;
   const double narrowest = std::max(kNarrowestReach * result.spacing, kNoiseReach * result.noise);
 
-  std::vector<RigidMotion> motions(scans.size());
+  std::vector<Similarity> motions(scans.size());
   double width = widest;
   // Few samples suffice for the first steps and for checking convergence.
   const std::size_t check_every = std::max<std::size_t>(options.samples / kOnTheWay, 1);
@@ -413,7 +400,7 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
   }
   if (result.rounds == 0) return result;
   const std::vector<Comparison> before =
-      compare(points, scans, std::vector<RigidMotion>(scans.size()), widest, check_every);
+      compare(points, scans, std::vector<Similarity>(scans.size()), widest, check_every);
   const std::vector<double> deviations = deviations_of(before, scans.size(), widest);
   for (std::size_t s = 0; s < scans.size(); ++s) result.deviations[scans[s].number] = deviations[s];
   const double loss_after = mean_loss(compare(points, scans, motions, widest, check_every), narrowest);
@@ -431,13 +418,13 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
   return result;
 }
 
-void move_scans(PointSet& points, const std::vector<RigidMotion>& motions) {
+void move_scans(PointSet& points, const std::vector<Similarity>& motions) {
   const auto known = [&](std::uint16_t scan) { return scan != PointSet::kUnknownScan; };
   for (const std::uint16_t s : points.scan_of_point)
     if (known(s) && s >= motions.size()) throw ArgumentError("move_scans: every scan needs a motion");
   parallel_for(0, points.scan_of_point.size(), 16384, [&](std::size_t i) {
     if (!known(points.scan_of_point[i])) return;
-    const RigidMotion& m = motions[points.scan_of_point[i]];
+    const Similarity& m = motions[points.scan_of_point[i]];
     points.positions[i] = Vec3f(m(Vec3(points.positions[i])));
     if (!points.normals.empty()) points.normals[i] = Vec3f(m.turn(Vec3(points.normals[i])));
     if (!points.grid_normals.empty()) points.grid_normals[i] = Vec3f(m.turn(Vec3(points.grid_normals[i])));

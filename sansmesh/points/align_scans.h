@@ -4,22 +4,12 @@
 #include <cstddef>
 #include <vector>
 
+#include "sansmesh/data/similarity.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
-
-/// Rigid motion x → R x + shift.
-struct RigidMotion {
-  Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  ///< columns of the rotation R
-  Vec3 shift;
-
-  Vec3 turn(const Vec3& v) const { return x * v.x + y * v.y + z * v.z; }
-  Vec3 turn_back(const Vec3& v) const { return {dot(x, v), dot(y, v), dot(z, v)}; }
-  Vec3 operator()(const Vec3& p) const { return turn(p) + shift; }
-  Vec3 inverse(const Vec3& p) const { return turn_back(p - shift); }
-};
 
 struct ScanAlignmentOptions {
   std::size_t samples = 5000;  ///< samples per scan that are compared with the other scans, at least 20
@@ -31,7 +21,7 @@ struct ScanAlignmentOptions {
 
 /// Result per scan (index of PointSet::scan_of_point); lengths in the unit of the points.
 struct ScanAlignment {
-  std::vector<RigidMotion> motions;  ///< motions that align the scans
+  std::vector<Similarity> motions;  ///< rigid motions that align the scans
   /// Displacement of the samples perpendicular to the surface, root mean square; sliding along it is harmless.
   std::vector<double> displacements;
   /// Robust standard deviation of the samples of each scan from the surfaces of the others, before alignment.
@@ -60,7 +50,7 @@ ScanAlignment find_scan_motions(const PointSet& points, const ScanAlignmentOptio
 
 /// Moves the samples, their normals and the scanner positions. Throws ArgumentError if there are fewer motions than
 /// scans.
-void move_scans(PointSet& points, const std::vector<RigidMotion>& motions);
+void move_scans(PointSet& points, const std::vector<Similarity>& motions);
 
 /// Whether the points belong to two or more scans.
 bool has_several_scans(const PointSet& points);

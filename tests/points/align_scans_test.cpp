@@ -55,13 +55,10 @@ PointSet seen_from(std::size_t scans, double noise, unsigned seed = 1) {
 }
 
 /// Rotation by half a degree about an axis through the centre, and a shift by two spacings.
-RigidMotion half_a_degree(const Vec3& axis, const Vec3& direction) {
-  const double angle = 0.5 * std::numbers::pi / 180;
-  const Vec3 a = normalized(axis);
-  const auto turned = [&](const Vec3& v) {
-    return v * std::cos(angle) + cross(a, v) * std::sin(angle) + a * (dot(a, v) * (1 - std::cos(angle)));
-  };
-  return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), normalized(direction) * (2 * kSpacing)};
+Similarity half_a_degree(const Vec3& axis, const Vec3& direction) {
+  Similarity motion = rotation_by(normalized(axis) * (0.5 * std::numbers::pi / 180));
+  motion.translation = normalized(direction) * (2 * kSpacing);
+  return motion;
 }
 
 /// Root mean square error of sample positions relative to scan 0.
@@ -71,21 +68,22 @@ double farthest_off(const PointSet& truth, const PointSet& moved) {
   while (norm(from_first(truth, far)) < 1) ++far;
   while (norm(cross(normalized(from_first(truth, far)), from_first(truth, side))) < 0.7) ++side;
   const auto frame = [&](const PointSet& p) {
-    RigidMotion f;
-    f.x = normalized(from_first(p, far));
-    f.z = normalized(cross(f.x, from_first(p, side)));
-    f.y = cross(f.z, f.x);
-    f.shift = Vec3(p.positions[0]);
+    Similarity f;
+    auto& [x, y, z] = f.columns;
+    x = normalized(from_first(p, far));
+    z = normalized(cross(x, from_first(p, side)));
+    y = cross(z, x);
+    f.translation = Vec3(p.positions[0]);
     return f;
   };
-  const RigidMotion f = frame(truth), g = frame(moved);
+  const Similarity f = frame(truth), g = frame(moved);
   double squares = 0;
   for (std::size_t i = 0; i < truth.size(); ++i)
-    squares += squared_norm(f.inverse(Vec3(truth.positions[i])) - g.inverse(Vec3(moved.positions[i])));
+    squares += squared_norm(f.back(Vec3(truth.positions[i])) - g.back(Vec3(moved.positions[i])));
   return std::sqrt(squares / static_cast<double>(truth.size()));
 }
 
-RigidMotion no_motion() { return {}; }
+Similarity no_motion() { return {}; }
 
 TEST(AlignScans, FindsKnownMotionsBack) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others align scans, too");
@@ -95,7 +93,7 @@ TEST(AlignScans, FindsKnownMotionsBack) {
       SCOPED_TRACE(testing::Message() << scans << " scans, noise " << noise);
       const PointSet truth = seen_from(scans, noise);
       PointSet cloud = truth;
-      std::vector<RigidMotion> known(scans, no_motion());
+      std::vector<Similarity> known(scans, no_motion());
       for (std::size_t s = 1; s < scans; ++s)
         known[s] = half_a_degree(Vec3{1.0 * (s % 3), 1, 0.3}, Vec3{1, -0.5 * static_cast<double>(s), 0.7});
       move_scans(cloud, known);
@@ -216,14 +214,14 @@ TEST(AlignScans, MovesAllThatHasADirection) {
   PointSet cloud = seen_from(2, 0);
   cloud.grid_normals = cloud.normals;
   const PointSet given = cloud;
-  const RigidMotion motion = half_a_degree({1, 2, 3}, {0, 1, 0});
+  const Similarity motion = half_a_degree({1, 2, 3}, {0, 1, 0});
   move_scans(cloud, {motion, no_motion()});
   for (std::size_t i = 0; i < cloud.size(); ++i) {
-    const RigidMotion m = cloud.scan_of_point[i] == 0 ? motion : no_motion();
+    const Similarity m = cloud.scan_of_point[i] == 0 ? motion : no_motion();
     ASSERT_LT(norm(Vec3(cloud.positions[i]) - m(Vec3(given.positions[i]))), 1e-6);
     ASSERT_LT(norm(Vec3(cloud.normals[i]) - m.turn(Vec3(given.normals[i]))), 1e-6);
     ASSERT_EQ(cloud.grid_normals[i], cloud.normals[i]);
-    ASSERT_LT(norm(m.inverse(m(Vec3(given.positions[i]))) - Vec3(given.positions[i])), 1e-12);
+    ASSERT_LT(norm(m.back(m(Vec3(given.positions[i]))) - Vec3(given.positions[i])), 1e-12);
   }
   EXPECT_LT(norm(Vec3(cloud.scanners[0]) - motion(Vec3(given.scanners[0]))), 1e-5);
   EXPECT_EQ(cloud.scanners[1], given.scanners[1]);
