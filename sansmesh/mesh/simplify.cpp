@@ -179,6 +179,52 @@ std::uint32_t scattered(const Vec3f& p) {
   return static_cast<std::uint32_t>(h >> 32);
 }
 
+/// Replaces the vertices and triangles of a mesh by the simplified ones. Vertices get the means, weighted by `weight`,
+/// of the properties of those merged into them; `becomes` as in simplify_mesh.
+void take_simplified(TriangleMesh& mesh, Simplifier& s, const Vec3& middle, const std::vector<double>& weight,
+                     std::vector<std::uint32_t>* becomes) {
+  const std::size_t n = mesh.vertices.size();
+  std::vector<std::uint32_t> into(n), left;
+  for (std::uint32_t v = 0; v < n; ++v)
+    if (s.merged_into[v] == kNoVertex) into[v] = static_cast<std::uint32_t>(left.size()), left.push_back(v);
+  for (std::uint32_t v = 0; v < n; ++v) {
+    std::uint32_t t = v;
+    while (s.merged_into[t] != kNoVertex) t = s.merged_into[t];
+    into[v] = into[t];
+  }
+  if (becomes) *becomes = into;
+  const auto merge = [&](auto get, auto set) {
+    std::vector<Vec3> sum(left.size());
+    std::vector<double> total(left.size());
+    for (std::size_t v = 0; v < n; ++v) {
+      for (std::size_t k = 0; k < 3; ++k) sum[into[v]][k] += weight[v] * get(v, k);
+      total[into[v]] += weight[v];
+    }
+    for (std::size_t i = 0; i < left.size(); ++i)
+      for (std::size_t k = 0; k < 3; ++k) set(left[i], k, sum[i][k] / total[i]);
+  };
+  if (!mesh.normals.empty()) {
+    merge([&](std::size_t v, std::size_t k) { return mesh.normals[v][k]; },
+          [&](std::size_t v, std::size_t k, double value) { mesh.normals[v][k] = static_cast<float>(value); });
+    for (Vec3f& normal : mesh.normals) normal = normalized(normal);
+  }
+  if (!mesh.colors.empty())
+    merge([&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[v][k]); },
+          [&](std::size_t v, std::size_t k, double value) {
+            mesh.colors[v][k] = index_in<std::uint8_t>(std::round(value), 0, 255);
+          });
+  AttributeTable attributes;
+  if (!mesh.attributes.empty()) attributes = mesh.attributes.means(into, weight, left.size());
+  mesh.attributes.clear();
+  for (const std::uint32_t v : left) mesh.vertices[v] = Vec3f(s.x[v] + middle);
+  take_vertices(mesh, left);
+  mesh.attributes = std::move(attributes);
+  mesh.triangles = std::move(s.triangles);
+  if (!mesh.triangle_attributes.empty()) mesh.triangle_attributes = mesh.triangle_attributes.taken(s.original);
+  for (Triangle& t : mesh.triangles)
+    for (std::uint32_t& v : t) v = into[v];
+}
+
 }  // namespace
 
 bool simplify_mesh(TriangleMesh& mesh, const CollapseOptions& options, Progress& progress,
@@ -216,56 +262,7 @@ bool simplify_mesh(TriangleMesh& mesh, const CollapseOptions& options, Progress&
     mesh.triangles = std::move(s.triangles);
     return false;
   }
-
-  // Properties of merged vertices, then of the remaining ones.
-  std::vector<std::uint32_t> target(n), number(n, kNoVertex), left;
-  for (std::size_t v = 0; v < n; ++v) {
-    std::uint32_t t = static_cast<std::uint32_t>(v);
-    while (s.merged_into[t] != kNoVertex) t = s.merged_into[t];
-    target[v] = t;
-    if (t != v) continue;
-    number[v] = static_cast<std::uint32_t>(left.size());
-    left.push_back(t);
-  }
-  if (becomes)
-    for (std::size_t v = 0; v < n; ++v) (*becomes)[v] = number[target[v]];
-  const auto merge = [&](std::size_t components, auto get, auto set) {
-    std::vector<double> sum(n * components, 0), weight(n, 0);
-    for (std::size_t v = 0; v < n; ++v) {
-      const double w = own_weight[v];
-      for (std::size_t k = 0; k < components; ++k) sum[target[v] * components + k] += w * get(v, k);
-      weight[target[v]] += w;
-    }
-    for (std::size_t v = 0; v < n; ++v)
-      if (target[v] == v)
-        for (std::size_t k = 0; k < components; ++k) set(v, k, sum[v * components + k] / weight[v]);
-  };
-  if (!mesh.normals.empty()) {
-    merge(
-        3, [&](std::size_t v, std::size_t k) { return mesh.normals[v][k]; },
-        [&](std::size_t v, std::size_t k, double value) { mesh.normals[v][k] = static_cast<float>(value); });
-    for (Vec3f& normal : mesh.normals) normal = normalized(normal);
-  }
-  if (!mesh.colors.empty())
-    merge(
-        3, [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[v][k]); },
-        [&](std::size_t v, std::size_t k, double value) {
-          mesh.colors[v][k] = index_in<std::uint8_t>(std::round(value), 0, 255);
-        });
-  AttributeTable attributes;
-  if (!mesh.attributes.empty()) {
-    std::vector<std::uint32_t> group(n);
-    for (std::size_t v = 0; v < n; ++v) group[v] = number[target[v]];
-    attributes = mesh.attributes.means(group, own_weight, left.size());
-  }
-  mesh.attributes.clear();
-  for (const std::uint32_t v : left) mesh.vertices[v] = Vec3f(s.x[v] + middle);
-  take_vertices(mesh, left);
-  mesh.attributes = std::move(attributes);
-  mesh.triangles = std::move(s.triangles);
-  if (!mesh.triangle_attributes.empty()) mesh.triangle_attributes = mesh.triangle_attributes.taken(s.original);
-  for (Triangle& t : mesh.triangles)
-    for (std::uint32_t& v : t) v = number[v];
+  take_simplified(mesh, s, middle, own_weight, becomes);
   return true;
 }
 
