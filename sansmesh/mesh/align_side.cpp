@@ -202,7 +202,7 @@ bool WholeSurface::closest(const Vec3& q, double reach, Foot& foot) const {
   return true;
 }
 
-void measure_side(const TriangleMesh& mesh, const char* name, Vec3& origin, double& size) {
+Placement measure_side(const TriangleMesh& mesh, const char* name) {
   const std::vector<Vec3> places = places_that_count(mesh, kDense);
   if (places.size() < (mesh.triangles.empty() ? kFewest : 4))
     throw DataError(std::string("the ") + name + " surface has too few points to be aligned");
@@ -216,19 +216,17 @@ void measure_side(const TriangleMesh& mesh, const char* name, Vec3& origin, doub
   std::vector<double> far;
   far.reserve(places.size());
   for (const Vec3& p : places) far.push_back(norm(p - middle));
-  origin = mesh.origin + middle;
   const auto at = far.begin() + static_cast<std::ptrdiff_t>(far.size() * 3 / 4);
   std::nth_element(far.begin(), at, far.end());
-  size = *at;
-  if (!(size > 0 && std::isfinite(size))) throw DataError(std::string("the ") + name + " surface has no extent");
+  if (!(*at > 0 && std::isfinite(*at))) throw DataError(std::string("the ") + name + " surface has no extent");
+  return {mesh.origin + middle, *at};
 }
 
-AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit, std::size_t most, const char* name,
+AlignSide prepare_side(const TriangleMesh& mesh, const Placement& frame, std::size_t most, const char* name,
                        Progress& progress) {
   AlignSide side;
-  side.origin = origin, side.unit = unit;
-  const Vec3 shift = mesh.origin - origin;
-  const auto own = [&](const Vec3f& p) { return (Vec3(p) + shift) / unit; };
+  const Vec3 shift = mesh.origin - frame.origin;
+  const auto own = [&](const Vec3f& p) { return (Vec3(p) + shift) / frame.unit; };
   side.is_mesh = has_triangles(mesh);
   side.has_sides = side.is_mesh ? tells_sides(mesh) : !mesh.normals.empty();
   if (side.is_mesh) {

@@ -60,8 +60,6 @@ class WholeSurface {
 
 /// One surface in local coordinates: relative to a point of the world and divided by a length.
 struct AlignSide {
-  Vec3 origin;             ///< in world coordinates
-  double unit = 1;         ///< world length of 1
   TriangleMesh mesh;       ///< finite vertices, with triangles if there are any
   OrientedPoints all;      ///< clouds: all used points; estimated normals have arbitrary signs
   OrientedPoints dense;    ///< fewer points; estimated normals have consistent signs
@@ -72,13 +70,13 @@ struct AlignSide {
   double radius = 0;  ///< root mean square distance from the centroid
 };
 
-/// `unit`: common to both surfaces. `most`: number of points of a cloud without normals for which these are estimated;
-/// the others are dropped. Throws DataError that names the surface (`name`) if it cannot be aligned.
-AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit, std::size_t most, const char* name,
+/// Converts a surface to local coordinates. `most`: number of points of a cloud without normals for which these are
+/// estimated; the others are dropped. Throws DataError that names the surface (`name`) if it cannot be aligned.
+AlignSide prepare_side(const TriangleMesh& mesh, const Placement& frame, std::size_t most, const char* name,
                        Progress& progress);
 
-/// Computes the origin and size for the local coordinates of a surface.
-void measure_side(const TriangleMesh& mesh, const char* name, Vec3& origin, double& size);
+/// Local frame of a surface by itself: its centre, and its size as the unit. Throws DataError as prepare_side.
+Placement measure_side(const TriangleMesh& mesh, const char* name);
 
 /// Even samples of a surface, about `spacing` apart, with normals averaged over `blur` (lengths).
 OrientedPoints even_samples(const AlignSide& side, double spacing, double blur);

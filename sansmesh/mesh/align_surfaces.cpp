@@ -130,122 +130,150 @@ TriangleMesh mirror_image(TriangleMesh mesh) {
   return mesh;
 }
 
-SurfaceAlignment align(const TriangleMesh& moving_mesh, const TriangleMesh& fixed_mesh,
-                       const SurfaceAlignmentOptions& options, Progress& progress) {
-  progress.begin("prepare");
-  Vec3 moving_origin, fixed_origin;
-  double moving_size = 0, fixed_size = 0;
-  detail::measure_side(moving_mesh, "moving", moving_origin, moving_size);
-  detail::measure_side(fixed_mesh, "fixed", fixed_origin, fixed_size);
-  // For very different sizes the scale becomes part of the units, so that both surfaces have a size of about 1.
-  const double moving_unit = options.find_scale ? moving_size : fixed_size;
-  // The moving surface needs no more points than are compared; tangent planes of the fixed one average several points.
-  const AlignSide moving =
-      detail::prepare_side(moving_mesh, moving_origin, moving_unit, options.samples, "moving", progress);
-  const AlignSide fixed =
-      detail::prepare_side(fixed_mesh, fixed_origin, fixed_size,
-                           std::max(kFixedPoints, kFixedOfSample * options.samples), "fixed", progress);
-  const bool signs = moving.has_sides && fixed.has_sides;
-  const SearchSamples coarse = detail::search_samples(moving, fixed);
-  const detail::WholeSurface surface(fixed.mesh, fixed.all, coarse.spacing);
-  const detail::WholeSurface back(moving.mesh, moving.dense, coarse.spacing);
-  const OrientedPoints few = samples_of(moving, std::min(options.samples, kOnTheWay)),
-                       many = samples_of(moving, options.samples);
-
-  Similarity start;
-  start.scale = moving_unit / fixed_size;
-  start.translation = (moving_origin - fixed_origin) / fixed_size;
-  const double fine = coarse.spacing;
-  const OrientedPoints few_fixed = samples_of(fixed, kOnTheWay);
-  const auto score = [&](const Similarity& pose) {
-    return detail::mutual_overlap(few, surface, few_fixed, back, pose, fine, signs);
-  };
-
-  SurfaceAlignment result;
-  std::optional<FitResult> best;
-  double best_score = -1;
-  if (options.start != AlignStart::anywhere) {
-    progress.begin("fit");
-    best = fit_closely(few, many, surface, start, 0, options, signs);
-    best_score = score(best->pose);
+/// Alignment of two surfaces in local coordinates, in which both have a size of about 1.
+class SurfaceFit {
+ public:
+  SurfaceFit(const TriangleMesh& moving, const TriangleMesh& fixed, const SurfaceAlignmentOptions& options,
+             Progress& progress)
+      : options_(options),
+        progress_(progress),
+        moving_frame_(detail::measure_side(moving, "moving")),
+        fixed_frame_(detail::measure_side(fixed, "fixed")),
+        // For very different sizes the scale becomes part of the units.
+        moving_unit_(options.find_scale ? moving_frame_.unit : fixed_frame_.unit),
+        // The moving surface needs no more points than are compared; tangent planes of the fixed one average several.
+        moving_(
+            detail::prepare_side(moving, {moving_frame_.origin, moving_unit_}, options.samples, "moving", progress)),
+        fixed_(detail::prepare_side(fixed, fixed_frame_, std::max(kFixedPoints, kFixedOfSample * options.samples),
+                                    "fixed", progress)),
+        signs_(moving_.has_sides && fixed_.has_sides),
+        coarse_(detail::search_samples(moving_, fixed_)),
+        surface_(fixed_.mesh, fixed_.all, coarse_.spacing),
+        back_(moving_.mesh, moving_.dense, coarse_.spacing),
+        few_(samples_of(moving_, std::min(options.samples, kOnTheWay))),
+        many_(samples_of(moving_, options.samples)),
+        few_fixed_(samples_of(fixed_, kOnTheWay)) {
+    start_.scale = moving_unit_ / fixed_frame_.unit;
+    start_.translation = (moving_frame_.origin - fixed_frame_.origin) / fixed_frame_.unit;
   }
-  if (options.start == AlignStart::anywhere || (options.start == AlignStart::automatic && best_score < kSurelyThere)) {
+
+  SurfaceAlignment run() {
+    SurfaceAlignment result;
+    if (options_.start != AlignStart::anywhere) {
+      progress_.begin("fit");
+      best_ = fit_closely(few_, many_, surface_, start_, 0, options_, signs_);
+      best_score_ = score(best_->pose);
+    }
+    if (options_.start == AlignStart::anywhere ||
+        (options_.start == AlignStart::automatic && best_score_ < kSurelyThere))
+      search(result);
+    if (!best_) best_.emplace().pose = start_;
+    progress_.begin("residuals");
+    measure(result);
+    const Similarity& pose = best_->pose;
+    SimilarityMotion& m = result.motion;
+    m.x = pose.columns[0], m.y = pose.columns[1], m.z = pose.columns[2];
+    m.scale = options_.find_scale ? pose.scale * fixed_frame_.unit / moving_unit_ : 1;
+    m.from = moving_frame_.origin;
+    m.to = fixed_frame_.origin + pose.translation * fixed_frame_.unit;
+    return result;
+  }
+
+ private:
+  double score(const Similarity& pose) const {
+    return detail::mutual_overlap(few_, surface_, few_fixed_, back_, pose, coarse_.spacing, signs_);
+  }
+
+  /// Searches all poses, and keeps the best one if it is better than that from the given pose.
+  void search(SurfaceAlignment& result) {
     result.searched = true;
-    const std::vector<FoundPose> poses = detail::search_poses(moving, fixed, coarse, options.find_scale, progress);
-    progress.begin("fit", kComparedPoses);
+    const std::vector<FoundPose> poses = detail::search_poses(moving_, fixed_, coarse_, options_.find_scale, progress_);
+    progress_.begin("fit", kComparedPoses);
     std::vector<std::pair<FitResult, double>> tried;
     FitOptions fit;
-    fit.iterations = std::min(options.iterations, 30);
-    fit.reach = 2 * coarse.spacing;
+    fit.iterations = std::min(options_.iterations, 30);
+    fit.reach = 2 * coarse_.spacing;
     fit.least_reach = kLeastReach;
-    fit.scale = options.find_scale;
-    fit.signs = signs;
+    fit.scale = options_.find_scale;
+    fit.signs = signs_;
     fit.last_step = 1e-4;
-    const OrientedPoints fewer = samples_of(moving, std::min(options.samples, kOfComparison));
+    const OrientedPoints fewer = samples_of(moving_, std::min(options_.samples, kOfComparison));
     for (std::size_t k = 0; k < std::min(poses.size(), kComparedPoses); ++k) {
       if (poses[k].score < kWorthALook * poses[0].score) break;
-      const FitResult f = detail::fit_pose(fewer, surface, poses[k].pose, fit);
+      const FitResult f = detail::fit_pose(fewer, surface_, poses[k].pose, fit);
       tried.emplace_back(f, score(f.pose));
-      progress.advance();
+      progress_.advance();
     }
     std::stable_sort(tried.begin(), tried.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
-    if (!tried.empty() && tried[0].second > best_score * (best ? 1.02 : 1)) {
-      best_score = tried[0].second;
-      best = fit_closely(few, many, surface, tried[0].first.pose, 2 * coarse.spacing, options, signs);
+    if (!tried.empty() && tried[0].second > best_score_ * (best_ ? 1.02 : 1)) {
+      best_score_ = tried[0].second;
+      best_ = fit_closely(few_, many_, surface_, tried[0].first.pose, 2 * coarse_.spacing, options_, signs_);
       result.start = AlignStart::anywhere;
     }
-    std::vector<Similarity> others;
+    if (!best_) return;
+    std::vector<Similarity> known{best_->pose};
     for (const auto& [f, s] : tried) {
-      if (!best || s < kAsGood * best_score ||
-          detail::nearly_same(f.pose, best->pose, moving, kOtherAngle, kOtherPlace))
-        continue;
-      if (std::any_of(others.begin(), others.end(), [&](const Similarity& o) {
-            return detail::nearly_same(o, f.pose, moving, kOtherAngle, kOtherPlace);
-          }))
-        continue;
-      others.push_back(f.pose);
-      result.alternative_angles.push_back(angle_between(f.pose, best->pose) * 180 / std::numbers::pi);
+      const auto same = [&](const Similarity& o) {
+        return detail::nearly_same(o, f.pose, moving_, kOtherAngle, kOtherPlace);
+      };
+      if (s < kAsGood * best_score_ || std::any_of(known.begin(), known.end(), same)) continue;
+      known.push_back(f.pose);
+      result.alternative_angles.push_back(angle_between(f.pose, best_->pose) * 180 / std::numbers::pi);
     }
-    result.alternatives = others.size();
+    result.alternatives = result.alternative_angles.size();
   }
-  if (!best) best.emplace().pose = start;
 
-  progress.begin("residuals");
-  const Similarity& pose = best->pose;
-  result.iterations = best->iterations;
-  result.samples = many.size();
-  result.reach = best->reach * fixed_size;
-  std::vector<double> left = left_between(many, surface, pose, best->reach, signs);
-  if (!left.empty()) {
-    double squares = 0;
-    for (const double d : left) squares += d * d;
-    std::sort(left.begin(), left.end());
-    result.rms = std::sqrt(squares / static_cast<double>(left.size())) * fixed_size;
-    result.median = left[left.size() / 2] * fixed_size;
-    result.p95 = left[left.size() * 95 / 100] * fixed_size;
+  /// Quality of the best pose.
+  void measure(SurfaceAlignment& result) const {
+    const Similarity& pose = best_->pose;
+    const double size = fixed_frame_.unit;
+    result.iterations = best_->iterations;
+    result.samples = many_.size();
+    result.reach = best_->reach * size;
+    std::vector<double> left = left_between(many_, surface_, pose, best_->reach, signs_);
+    if (!left.empty()) {
+      double squares = 0;
+      for (const double d : left) squares += d * d;
+      std::sort(left.begin(), left.end());
+      result.rms = std::sqrt(squares / static_cast<double>(left.size())) * size;
+      result.median = left[left.size() / 2] * size;
+      result.p95 = left[left.size() * 95 / 100] * size;
+    }
+    const detail::ShapeDifference difference =
+        detail::shape_difference(many_, surface_, pose, coarse_.spacing, kDifferenceReach, kLeastDifference, signs_);
+    result.differing = difference.share;
+    result.differing_by = difference.offset * size;
+    result.overlap = static_cast<double>(left.size()) / static_cast<double>(std::max<std::size_t>(many_.size(), 1));
+    std::vector<double> before;
+    for (const auto& d : detail::distances_to(few_, surface_, start_, 0, signs_, true))
+      if (d) before.push_back(*d);
+    result.median_before = median(before) * size;
+    double moved = 0;
+    for (const Vec3& p : few_.x) moved += squared_norm(pose(p) - start_(p));
+    result.moved = std::sqrt(moved / static_cast<double>(std::max<std::size_t>(few_.size(), 1))) * size;
+    for (const double t : best_->told) result.free_motions += t < detail::kToldShare;
+    result.found = result.overlap >= kLeastOverlap && best_->reach <= kWidestReach;
+    result.size_ratio = moving_frame_.unit / size;
   }
-  const detail::ShapeDifference difference =
-      detail::shape_difference(many, surface, pose, coarse.spacing, kDifferenceReach, kLeastDifference, signs);
-  result.differing = difference.share;
-  result.differing_by = difference.offset * fixed_size;
-  result.overlap = static_cast<double>(left.size()) / static_cast<double>(std::max<std::size_t>(many.size(), 1));
-  std::vector<double> before;
-  for (const auto& d : detail::distances_to(few, surface, start, 0, signs, true))
-    if (d) before.push_back(*d);
-  result.median_before = median(before) * fixed_size;
-  double moved = 0;
-  for (const Vec3& p : few.x) moved += squared_norm(pose(p) - start(p));
-  result.moved = std::sqrt(moved / static_cast<double>(std::max<std::size_t>(few.size(), 1))) * fixed_size;
-  for (const double t : best->told) result.free_motions += t < detail::kToldShare;
-  result.found = result.overlap >= kLeastOverlap && best->reach <= kWidestReach;
-  result.size_ratio = moving_size / fixed_size;
 
-  SimilarityMotion& m = result.motion;
-  m.x = pose.columns[0], m.y = pose.columns[1], m.z = pose.columns[2];
-  m.scale = options.find_scale ? pose.scale * fixed_size / moving_unit : 1;
-  m.from = moving_origin;
-  m.to = fixed_origin + pose.translation * fixed_size;
-  return result;
+  const SurfaceAlignmentOptions& options_;
+  Progress& progress_;
+  Placement moving_frame_, fixed_frame_;  ///< the unit is the size
+  double moving_unit_;
+  AlignSide moving_, fixed_;
+  bool signs_;
+  SearchSamples coarse_;
+  detail::WholeSurface surface_, back_;
+  OrientedPoints few_, many_, few_fixed_;
+  Similarity start_;  ///< given pose
+  std::optional<FitResult> best_;
+  double best_score_ = -1;
+};
+
+SurfaceAlignment align(const TriangleMesh& moving, const TriangleMesh& fixed, const SurfaceAlignmentOptions& options,
+                       Progress& progress) {
+  progress.begin("prepare");
+  return SurfaceFit(moving, fixed, options, progress).run();
 }
 
 }  // namespace
