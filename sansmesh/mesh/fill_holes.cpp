@@ -3,17 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
-#include <span>
 #include <string>
 #include <unordered_map>
 #include <utility>
 
-#include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/core/union_find.h"
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
+#include "sansmesh/mesh/hole_loops.h"
 #include "sansmesh/mesh/hole_patch.h"
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/place_edges.h"
@@ -23,7 +21,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-using detail::PatchTriangle;
+using detail::HoledMesh, detail::PatchTriangle;
 
 constexpr std::size_t kMostNewVertices = 200000;  // per hole
 /// Number of border vertices that determine the colour of a new one.
@@ -35,142 +33,29 @@ constexpr double kIslandOverDiameter = 0.25;
 constexpr double kSteepEnd = 0.7, kLeastEnd = 0.02;
 constexpr std::size_t kLeastEndEdges = 8;
 
-/// Edge of one triangle, in the direction of a filling.
-struct BorderEdge {
-  std::uint32_t from, to;  ///< representatives
-  std::uint32_t vertex;    ///< vertex of the border triangle at `from`
-  std::uint32_t beside;    ///< third corner of that triangle (representative)
-  std::uint32_t corner;    ///< as in PlaceEdges
-};
-
-/// Mesh with coincident vertices identified.
-struct HoledMesh {
-  const TriangleMesh& mesh;
-  PlaceEdges edges;
-  std::vector<std::uint32_t> piece;  ///< component of each representative: its first vertex
-  std::vector<Box3> box;             ///< bounding box per component
-
-  explicit HoledMesh(const TriangleMesh& m)
-      : mesh(m), edges(edges_by_place(m)), piece(m.vertices.size()), box(m.vertices.size()) {
-    UnionFind sets(m.vertices.size());
-    for (const PlaceEdges::Edge& e : edges.edges) sets.join(e.a, e.b);
-    for (std::size_t v = 0; v < piece.size(); ++v)
-      piece[v] = static_cast<std::uint32_t>(sets.find(static_cast<std::uint32_t>(v)));
-    for (const PlaceEdges::Edge& e : edges.edges)
-      for (const std::uint32_t v : {e.a, e.b}) box[piece[v]].extend(Vec3(m.vertices[v]));
-  }
-
-  bool joined(std::uint32_t a, std::uint32_t b) const {
-    const std::uint32_t low = std::min(a, b), high = std::max(a, b);
-    const auto at =
-        std::lower_bound(edges.edges.begin(), edges.edges.end(), std::pair(low, high),
-                         [](const PlaceEdges::Edge& e, const std::pair<std::uint32_t, std::uint32_t>& wanted) {
-                           return e.a != wanted.first ? e.a < wanted.first : e.b < wanted.second;
-                         });
-    return at != edges.edges.end() && at->a == low && at->b == high;
-  }
-};
-
-/// Mean component, along the normal of the loop's plane, of the directions from the edges of a loop into the mesh.
-double steepness_of(const HoledMesh& m, const std::vector<BorderEdge>& all, std::span<const std::uint32_t> path) {
-  const auto place = [&](std::uint32_t p) { return Vec3(m.mesh.vertices[p]); };
-  const Vec3 base = place(all[path[0]].from);
-  Vec3 normal;
-  for (const std::uint32_t i : path) normal += cross(place(all[i].from) - base, place(all[i].to) - base);
-  if (!(squared_norm(normal) > 0)) return 0;
-  normal = normalized(normal);
-  double sum = 0, perimeter = 0;
-  for (const std::uint32_t i : path) {
-    const Vec3 a = place(all[i].from), edge = place(all[i].to) - a;
-    const double length = norm(edge);
-    if (!(length > 0)) continue;
-    const Vec3 along = edge / length, to = place(all[i].beside) - a, inward = to - along * dot(to, along);
-    perimeter += length;
-    if (squared_norm(inward) > 0) sum += length * dot(normalized(inward), normal);
-  }
-  return perimeter > 0 ? std::abs(sum) / perimeter : 0;
-}
-
-HoleLoop measure_loop(const HoledMesh& m, const std::vector<BorderEdge>& all, std::span<const std::uint32_t> path) {
-  HoleLoop loop;
-  Box3 box;
-  for (std::size_t i = 0; i < path.size(); ++i) {
-    const BorderEdge& e = all[path[i]];
-    loop.vertices.push_back(e.vertex);
-    const Vec3 a(m.mesh.vertices[e.from]), b(m.mesh.vertices[e.to]);
-    const double length = norm(b - a);
-    loop.perimeter += length;
-    loop.middle += (a + b) * (length / 2);
-    box.extend(a);
-  }
-  loop.middle =
-      m.mesh.origin + (loop.perimeter > 0 ? loop.middle / loop.perimeter : Vec3(m.mesh.vertices[loop.vertices[0]]));
-  loop.diameter = box.diagonal();
-  const double whole = m.box[m.piece[all[path[0]].from]].diagonal();
-  loop.share = whole > 0 ? loop.diameter / whole : 1;
-  loop.steepness = steepness_of(m, all, path);
-  return loop;
-}
-
-HoleLoops find_loops(const HoledMesh& m) {
-  HoleLoops found;
-  std::vector<BorderEdge> all;
-  for (const PlaceEdges::Edge& e : m.edges.edges) {
-    found.nonmanifold_edges += e.count > 2;
-    if (e.count != 1) continue;
-    const std::uint32_t corner = m.edges.corners[e.first];
-    const Triangle& t = m.mesh.triangles[corner / 3];
-    const std::uint32_t begin = t[corner % 3], end = t[(corner + 1 - corner / 3 * 3) % 3];
-    const std::uint32_t beside = m.edges.place[t[(corner + 2 - corner / 3 * 3) % 3]];
-    all.push_back({m.edges.place[end], m.edges.place[begin], end, beside, corner});
-  }
-  found.border_edges = all.size();
-  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> out;  // for lookup only
-  for (std::uint32_t i = 0; i < all.size(); ++i) out[all[i].from].push_back(i);
-  std::vector<std::uint8_t> used(all.size(), 0);
-  std::unordered_map<std::uint32_t, std::size_t>
-      on_path;  // representative → index of the edge of the path that starts there
-  for (std::uint32_t first = 0; first < all.size(); ++first) {
-    if (used[first]) continue;
-    std::vector<std::uint32_t> path{first};
-    used[first] = 1;
-    on_path.clear();
-    on_path[all[first].from] = 0;
-    while (!path.empty()) {
-      const std::uint32_t place = all[path.back()].to;
-      if (const auto met = on_path.find(place); met != on_path.end()) {
-        const std::size_t begin = met->second;
-        const auto loop = std::span(path).subspan(begin);
-        if (loop.size() >= 3)
-          found.loops.push_back(measure_loop(m, all, loop));
-        else
-          found.stray_edges += loop.size();
-        for (const std::uint32_t e : loop) on_path.erase(all[e].from);
-        path.resize(begin);
-        if (path.empty()) break;
-        continue;
-      }
-      std::uint32_t next = kNoVertex;
-      if (const auto leaving = out.find(place); leaving != out.end())
-        for (const std::uint32_t e : leaving->second)
-          if (!used[e]) {
-            next = e;
-            break;
-          }
-      if (next == kNoVertex) {
-        ++found.stray_edges;
-        on_path.erase(all[path.back()].from);
-        path.pop_back();
-        continue;
-      }
-      used[next] = 1;
-      on_path[place] = path.size();
-      path.push_back(next);
+/// Mean length of the edges at each representative.
+std::vector<double> mean_edge_lengths(const HoledMesh& m) {
+  std::vector<double> length(m.mesh.vertices.size()), count(length);
+  for (const PlaceEdges::Edge& e : m.edges.edges)
+    for (const std::uint32_t v : {e.a, e.b}) {
+      length[v] += norm(Vec3(m.mesh.vertices[e.a]) - Vec3(m.mesh.vertices[e.b]));
+      count[v] += 1;
     }
-  }
-  std::stable_sort(found.loops.begin(), found.loops.end(),
-                   [](const HoleLoop& a, const HoleLoop& b) { return a.diameter > b.diameter; });
-  return found;
+  for (std::size_t v = 0; v < count.size(); ++v) length[v] /= std::max(count[v], 1.0);
+  return length;
+}
+
+/// Whether the options require filling a hole (`filled`), or why not.
+HoleOutcome choice_for(const HoleLoop& loop, const FillOptions& options) {
+  if (options.all) return HoleOutcome::filled;
+  if (options.largest || options.edges)
+    return (!options.largest || loop.diameter <= *options.largest) &&
+                   (!options.edges || loop.vertices.size() <= *options.edges)
+               ? HoleOutcome::filled
+               : HoleOutcome::too_large;
+  if (!(loop.share <= options.share)) return HoleOutcome::too_large;
+  const bool is_end = loop.share >= kLeastEnd && loop.steepness > kSteepEnd && loop.vertices.size() >= kLeastEndEdges;
+  return is_end ? HoleOutcome::end : HoleOutcome::filled;
 }
 
 /// Filling that is not yet part of the mesh.
@@ -258,13 +143,13 @@ std::vector<PlacePair> chords_of(const HoledMesh& m, const HoleLoop& loop, const
   return chords;
 }
 
-/// Appends new vertices, interpolated from the nearest vertices of the loop.
-void append_filling(TriangleMesh& mesh, const HoleLoop& loop, const HoleFilling& filling,
-                    std::vector<std::uint32_t>& number) {
+/// Appends new vertices, interpolated from the nearest vertices of the loop; returns the indices of all vertices.
+std::vector<std::uint32_t> append_filling_vertices(TriangleMesh& mesh, const HoleLoop& loop,
+                                                   const HoleFilling& filling) {
   const std::size_t n = loop.vertices.size(), fresh = filling.x.size() - n, share = std::min(kOfBorder, n);
   const Vec3 base(mesh.vertices[loop.vertices[0]]);
-  number = loop.vertices;
-  if (fresh == 0) return;
+  std::vector<std::uint32_t> number = loop.vertices;
+  if (fresh == 0) return number;
   const std::vector<Vec3f> rim(filling.x.begin(), filling.x.begin() + static_cast<std::ptrdiff_t>(n));
   const KdTree tree(rim);
   std::vector<std::uint32_t> rows;
@@ -301,6 +186,17 @@ void append_filling(TriangleMesh& mesh, const HoleLoop& loop, const HoleFilling&
     std::vector<std::uint32_t> order(fresh);
     for (std::size_t i = 0; i < fresh; ++i) order[i] = static_cast<std::uint32_t>(i);
     mesh.attributes.append(mixed, order);
+  }
+  return number;
+}
+
+/// Appends a filling to a mesh, and its area to `area`.
+void append_filling(TriangleMesh& mesh, const HoleLoop& loop, const HoleFilling& filling, double& area) {
+  const std::vector<std::uint32_t> number = append_filling_vertices(mesh, loop, filling);
+  for (const PatchTriangle& t : filling.triangles) {
+    mesh.triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
+    const Vec3 &a = filling.x[t[0]], &b = filling.x[t[1]], &c = filling.x[t[2]];
+    area += norm(cross(b - a, c - a)) / 2;
   }
 }
 
@@ -363,7 +259,7 @@ void FillOptions::validate() const {
   if (all && (largest || edges)) throw ArgumentError("`all` fills every hole: it conflicts with `largest` and `edges`");
 }
 
-HoleLoops find_holes(const TriangleMesh& mesh) { return find_loops(HoledMesh(mesh)); }
+HoleLoops find_holes(const TriangleMesh& mesh) { return detail::find_loops(HoledMesh(mesh)); }
 
 FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& progress) {
   options.validate();
@@ -371,74 +267,47 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
   FillReport report;
   const TriangleMesh before = mesh;
   const HoledMesh m(before);
-  report.found = find_loops(m);
+  report.found = detail::find_loops(m);
   const std::vector<HoleLoop>& loops = report.found.loops;
   std::vector<Triangle> by_place = before.triangles;
   for (Triangle& t : by_place)
     t = has_valid_corners(before.vertices, t) ? Triangle{m.edges.place[t[0]], m.edges.place[t[1]], m.edges.place[t[2]]}
                                               : Triangle{0, 0, 0};
   const VertexCorners corners(by_place, before.vertices.size());
-  std::vector<double> edge_length(before.vertices.size()), count(before.vertices.size());
-  for (const PlaceEdges::Edge& e : m.edges.edges)
-    for (const std::uint32_t v : {e.a, e.b}) {
-      edge_length[v] += norm(Vec3(before.vertices[e.a]) - Vec3(before.vertices[e.b]));
-      count[v] += 1;
-    }
-  for (std::size_t v = 0; v < count.size(); ++v) edge_length[v] /= std::max(count[v], 1.0);
-
-  const auto is_end = [&](const HoleLoop& loop) {
-    return !options.all && !options.largest && !options.edges && loop.share <= options.share &&
-           loop.share >= kLeastEnd && loop.steepness > kSteepEnd && loop.vertices.size() >= kLeastEndEdges;
-  };
-  const auto wanted = [&](const HoleLoop& loop) {
-    if (options.all) return true;
-    if (!options.largest && !options.edges) return loop.share <= options.share && !is_end(loop);
-    return (!options.largest || loop.diameter <= *options.largest) &&
-           (!options.edges || loop.vertices.size() <= *options.edges);
-  };
+  const std::vector<double> edge_length = mean_edge_lengths(m);
   progress.begin("fill", loops.size());
   std::vector<HoleFilling> fillings(loops.size());
   parallel_for(0, loops.size(), 1, [&](std::size_t i) {
-    if (wanted(loops[i])) fillings[i] = fill_one(m, corners, edge_length, loops[i], options, {});
+    if (choice_for(loops[i], options) == HoleOutcome::filled)
+      fillings[i] = fill_one(m, corners, edge_length, loops[i], options, {});
     progress.advance();
   });
   std::set<PlacePair> taken;
   std::vector<Vec3f> filled;
   std::vector<std::uint32_t> hole_of;
   for (std::size_t i = 0; i < loops.size(); ++i) {
-    std::optional<HoleOutcome>& outcome = report.found.loops[i].outcome;
-    outcome = HoleOutcome::too_large;
-    if (!wanted(loops[i])) {
-      if (is_end(loops[i])) {
-        outcome = HoleOutcome::end;
-        ++report.ends;
-      } else {
-        ++report.too_large;
+    HoleOutcome outcome = choice_for(loops[i], options);
+    if (outcome == HoleOutcome::filled) {
+      std::vector<PlacePair> chords = chords_of(m, loops[i], fillings[i]);
+      if (std::any_of(chords.begin(), chords.end(), [&](const PlacePair& c) { return taken.contains(c); })) {
+        fillings[i] = fill_one(m, corners, edge_length, loops[i], options, taken);  // conflicts with a touching hole
+        chords = chords_of(m, loops[i], fillings[i]);
       }
-      continue;
+      if (fillings[i].done) {
+        taken.insert(chords.begin(), chords.end());
+        append_filling(mesh, loops[i], fillings[i], report.area);
+        const Vec3 base(before.vertices[loops[i].vertices[0]]);
+        for (const Vec3& p : fillings[i].x) filled.emplace_back(base + p);
+        hole_of.resize(filled.size(), static_cast<std::uint32_t>(i));
+      } else {
+        outcome = HoleOutcome::failed;
+      }
     }
-    std::vector<PlacePair> chords = chords_of(m, loops[i], fillings[i]);
-    if (std::any_of(chords.begin(), chords.end(), [&](const PlacePair& c) { return taken.contains(c); })) {
-      fillings[i] = fill_one(m, corners, edge_length, loops[i], options, taken);  // conflicts with a touching hole
-      chords = chords_of(m, loops[i], fillings[i]);
-    }
-    if (!fillings[i].done) {
-      outcome = HoleOutcome::failed;
-      ++report.failed;
-      continue;
-    }
-    taken.insert(chords.begin(), chords.end());
-    outcome = HoleOutcome::filled;
-    ++report.filled;
-    std::vector<std::uint32_t> number;
-    append_filling(mesh, loops[i], fillings[i], number);
-    const Vec3 base(before.vertices[loops[i].vertices[0]]);
-    for (const Vec3& p : fillings[i].x) filled.emplace_back(base + p), hole_of.push_back(static_cast<std::uint32_t>(i));
-    for (const PatchTriangle& t : fillings[i].triangles) {
-      mesh.triangles.push_back({number[t[0]], number[t[1]], number[t[2]]});
-      const Vec3 &a = fillings[i].x[t[0]], &b = fillings[i].x[t[1]], &c = fillings[i].x[t[2]];
-      report.area += norm(cross(b - a, c - a)) / 2;
-    }
+    report.found.loops[i].outcome = outcome;
+    ++(outcome == HoleOutcome::filled      ? report.filled
+       : outcome == HoleOutcome::too_large ? report.too_large
+       : outcome == HoleOutcome::failed    ? report.failed
+                                           : report.ends);
   }
   report.triangles = mesh.triangles.size() - before.triangles.size();
   report.vertices = mesh.vertices.size() - before.vertices.size();
@@ -452,41 +321,6 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
   report.islands = count_islands(m, filled, hole_of, report.found);
   progress.finish();
   return report;
-}
-
-namespace {
-
-constexpr ReportRow kHoleLoopRows[] = {
-    reported<[](const HoleLoop& r) { return r.vertices.size(); }>(
-        {.name = "edges", .text = "Edges of the border around it"}),
-    reported<&HoleLoop::diameter>({.text = "Diagonal of its box", .unit = "length"}),
-    reported<&HoleLoop::perimeter>({.text = "Length of its border", .unit = "length"}),
-    reported<&HoleLoop::middle>({.name = "at", .text = "Middle of its border", .unit = "length"}),
-    reported<&HoleLoop::share>(
-        {.name = "share_of_piece", .text = "Its diameter over that of its component", .unit = "share"}),
-    reported<&HoleLoop::steepness>({.text = "Steepness of the mesh against its plane: 1 for a tube", .unit = "share"}),
-    reported<&HoleLoop::outcome>({.text = "Result of filling it", .choices = kOutcomeWords})};
-
-}  // namespace
-
-const ReportSchema& HoleLoop::schema() {
-  static constexpr ReportSchema schema{kHoleLoopRows};
-  return schema;
-}
-
-namespace {
-
-constexpr ReportRow kHoleLoopsRows[] = {
-    reported<&HoleLoops::border_edges>({.text = "Edges of one triangle"}),
-    reported<&HoleLoops::stray_edges>({.name = "stray_border_edges", .text = "Border edges that surround no hole"}),
-    reported<&HoleLoops::nonmanifold_edges>({.text = "Edges of three triangles or more"}),
-    reported<&HoleLoops::loops>({.name = "holes", .text = "Holes, the largest first"})};
-
-}  // namespace
-
-const ReportSchema& HoleLoops::schema() {
-  static constexpr ReportSchema schema{kHoleLoopsRows};
-  return schema;
 }
 
 namespace {
