@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <numeric>
 
+#include "sansmesh/core/largest_first.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/mesh/mesh_size.h"
@@ -28,16 +28,7 @@ MeshComponents find_components(const TriangleMesh& mesh) {
     result.of_triangle[i] = c;
     result.area[c] += triangle_area(Vec3(mesh.vertices[t[0]]), Vec3(mesh.vertices[t[1]]), Vec3(mesh.vertices[t[2]]));
   }
-  std::vector<std::uint32_t> order(result.area.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return result.area[a] > result.area[b]; });
-  std::vector<std::uint32_t> rank(order.size());
-  std::vector<double> area(order.size());
-  for (std::size_t k = 0; k < order.size(); ++k)
-    rank[order[k]] = static_cast<std::uint32_t>(k), area[k] = result.area[order[k]];
-  result.area = std::move(area);
-  for (std::uint32_t& c : result.of_triangle) c = rank[c];
+  number_largest_first(result.of_triangle, result.area);
   return result;
 }
 

@@ -87,8 +87,8 @@ HoleLoops detail::find_loops(const HoledMesh& m) {
     if (e.count != 1) continue;
     const std::uint32_t corner = m.edges.corners[e.first];
     const Triangle& t = m.mesh.triangles[corner / 3];
-    const std::uint32_t begin = t[corner % 3], end = t[(corner + 1 - corner / 3 * 3) % 3];
-    const std::uint32_t beside = m.edges.place[t[(corner + 2 - corner / 3 * 3) % 3]];
+    const std::uint32_t begin = t[corner % 3], end = t[(corner + 1) % 3];
+    const std::uint32_t beside = m.edges.place[t[(corner + 2) % 3]];
     all.push_back({m.edges.place[end], m.edges.place[begin], end, beside, corner});
   }
   found.border_edges = all.size();

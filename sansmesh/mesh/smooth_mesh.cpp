@@ -88,7 +88,7 @@ struct SmoothState {
     for (std::uint32_t k = 0; k < e.count; ++k) {
       const std::uint32_t corner = edges.corners[e.first + k];
       const Triangle& t = mesh.triangles[corner / 3];
-      sum += cotangent_at(x[edges.place[t[(corner + 2 - corner / 3 * 3) % 3]]], x[e.a], x[e.b]);
+      sum += cotangent_at(x[edges.place[t[(corner + 2) % 3]]], x[e.a], x[e.b]);
     }
     return sum;
   }
@@ -268,9 +268,8 @@ void filter_waves(SmoothState& s, const SmoothOptions& options, bool closed, Smo
   if (closed) restore_volume(s, s.start, false);
 }
 
-/// Adjacent triangles, by common vertices, and their normals.
+/// Normals, centres and areas of the triangles.
 struct FaceNormals {
-  std::vector<std::uint32_t> first, around;
   std::vector<Vec3> normal, center;
   std::vector<double> area;
 

@@ -4,19 +4,15 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/mesh_vertices.h"
-#include "sansmesh/mesh/vertex_corners.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/close_points.h"
 
 namespace sansmesh::inline v1 {
 namespace {
-
-constexpr std::size_t kWeldChunk = 8192;
 
 /// Averages normals and colours; `group` maps old to new vertices.
 void mix_directions_and_colors(TriangleMesh& mesh, const std::vector<std::uint32_t>& group, std::size_t groups) {
@@ -46,33 +42,6 @@ void mix_directions_and_colors(TriangleMesh& mesh, const std::vector<std::uint32
   }
 }
 
-/// Same count as MeshTopology::nonmanifold_edges.
-std::size_t edges_of_three_or_more(const TriangleMesh& mesh) {
-  const std::size_t n = mesh.vertices.size();
-  std::vector<Triangle> triangles;
-  triangles.reserve(mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles)
-    if (t[0] < n && t[1] < n && t[2] < n && has_distinct_corners(t)) triangles.push_back(t);
-  const VertexCorners corners(triangles, n);
-  return parallel_reduce(
-      n, kWeldChunk, std::size_t{0},
-      [&](std::size_t first, std::size_t last) {
-        std::size_t count = 0;
-        std::vector<std::uint32_t> above;  // other ends, per triangle, of the edges with lower end v
-        for (std::size_t v = first; v < last; ++v) {
-          above.clear();
-          for (std::uint32_t c = corners.first[v]; c < corners.first[v + 1]; ++c)
-            for (const std::uint32_t w : triangles[corners.corner[c] / 3])
-              if (w > v) above.push_back(w);
-          std::sort(above.begin(), above.end());
-          for (std::size_t i = 0; i + 2 < above.size(); ++i)
-            count += above[i] == above[i + 2] && (i == 0 || above[i - 1] != above[i]);
-        }
-        return count;
-      },
-      std::plus<>());
-}
-
 }  // namespace
 
 WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
@@ -91,7 +60,7 @@ WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
   WeldReport report;
   report.vertices = n - kept.size();
   if (report.vertices == 0) return report;
-  const std::size_t before = edges_of_three_or_more(mesh);
+  const std::size_t before = measure_topology(mesh).nonmanifold_edges;
   if (!mesh.attributes.empty()) {
     const std::vector<double> weight(n, 1);
     mesh.attributes = mesh.attributes.means(group, weight, kept.size());
@@ -111,7 +80,7 @@ WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
   if (report.triangles > 0 && !mesh.triangle_attributes.empty())
     mesh.triangle_attributes = mesh.triangle_attributes.taken(left);
   mesh.triangles.resize(left.size());
-  const std::size_t after = edges_of_three_or_more(mesh);
+  const std::size_t after = measure_topology(mesh).nonmanifold_edges;
   report.nonmanifold_edges = after > before ? after - before : 0;
   return report;
 }

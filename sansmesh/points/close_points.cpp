@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/largest_first.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/error.h"
@@ -180,14 +180,7 @@ CloudComponents find_cloud_components(std::span<const Vec3f> positions, double d
     result.of_point[i] = c;
     ++result.points[c];
   }
-  std::vector<std::uint32_t> largest(result.size()), rank(result.size());
-  std::iota(largest.begin(), largest.end(), 0u);
-  std::stable_sort(largest.begin(), largest.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return result.points[a] > result.points[b]; });
-  std::vector<std::size_t> points(result.size());
-  for (std::uint32_t k = 0; k < rank.size(); ++k) rank[largest[k]] = k, points[k] = result.points[largest[k]];
-  result.points = std::move(points);
-  for (std::uint32_t& c : result.of_point) c = rank[c];
+  number_largest_first(result.of_point, result.points);
   return result;
 }
 
