@@ -1,4 +1,5 @@
-// Interface of principal curvatures at surface points.
+// Curvatures of surfaces and level sets: the interface of principal curvatures at surface points, and their computation
+// from a field.
 #pragma once
 
 #include <span>
@@ -42,5 +43,12 @@ class FieldCurvature final : public CurvatureField {
   const ScalarField& field_;
   double step_;
 };
+
+/// Computes values, gradients and curvatures of the level sets at all of x, which need not be on a surface; sizes must
+/// agree. Second derivatives are central differences
+/// of gradients over ±step (length > 0). The step should be short compared with the radii of curvature and long
+/// compared with the rounding errors of gradients: for single-precision fields, a hundredth of the sample spacing is
+/// too short, a quarter is suitable.
+void level_set_points(const ScalarField& field, std::span<const Vec3> x, double step, std::span<LevelSetPoint> result);
 
 }  // namespace sansmesh::inline v1

@@ -133,7 +133,8 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
   }
   std::size_t kept = 0;
   std::vector<std::uint8_t> chosen(count, 0);
-  for (const std::uint32_t k : largest_first(supported)) {
+  const std::vector<std::uint32_t> order = largest_first(supported);
+  for (const std::uint32_t k : order) {
     const bool automatic = choice.kind == ComponentChoice::Kind::automatic;
     if (!automatic && kept == static_cast<std::size_t>(choice.count)) break;
     const double small = seen ? std::min(kSeen * spacing * spacing, kSmallComponent * supported[order[0]])

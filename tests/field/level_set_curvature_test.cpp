@@ -1,4 +1,3 @@
-#include "sansmesh/field/level_set_curvature.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,7 @@
 #include <random>
 
 #include "sansmesh/error.h"
+#include "sansmesh/field/curvature_field.h"
 #include "sansmesh/partition/partition_fit.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
