@@ -1,4 +1,4 @@
-// Parses numbers and lists from short texts, for example option values.
+// Parses names, numbers and lists from short texts, for example option values.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,9 @@
 #include <vector>
 
 namespace sansmesh::inline v1 {
+
+/// Lower-case copy (ASCII).
+std::string lower_case(std::string_view text);
 
 /// Returns the text without leading and trailing blanks.
 std::string_view without_blanks(std::string_view text);

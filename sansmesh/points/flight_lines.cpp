@@ -10,6 +10,7 @@
 #include <span>
 #include <string_view>
 
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh::inline v1 {
@@ -35,14 +36,9 @@ constexpr std::array<std::string_view, 3> kReturnNames{"return_number", "returnn
 
 /// First existing attribute of one component among these names, ignoring case.
 const Attribute* find_named(const PointSet& points, std::span<const std::string_view> names) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
   for (const std::string_view name : names)
-    for (const Attribute& a : points.attributes) {
-      const bool same =
-          a.name.size() == name.size() && std::equal(a.name.begin(), a.name.end(), name.begin(),
-                                                     [&](char one, char other) { return lower(one) == other; });
-      if (same && a.components == 1 && a.size() == points.size()) return &a;
-    }
+    for (const Attribute& a : points.attributes)
+      if (lower_case(a.name) == name && a.components == 1 && a.size() == points.size()) return &a;
   return nullptr;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -57,10 +58,7 @@ std::string plain_word(std::string_view word) {
   constexpr std::string_view kBlanks = " \t";
   const std::size_t first = word.find_first_not_of(kBlanks);
   if (first == std::string_view::npos) return {};
-  std::string text(word.substr(first, word.find_last_not_of(kBlanks) - first + 1));
-  for (char& c : text)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  return text;
+  return lower_case(word.substr(first, word.find_last_not_of(kBlanks) - first + 1));
 }
 
 [[noreturn]] void refuse_class(const std::string& word) {
@@ -98,10 +96,8 @@ std::string class_words(unsigned number) {
 
 PointClasses parse_point_classes(std::string_view list) {
   PointClasses classes;
-  for (std::size_t at = 0; at <= list.size();) {
-    const std::size_t comma = std::min(list.find(',', at), list.size());
-    const std::string word = plain_word(list.substr(at, comma - at));
-    at = comma + 1;
+  for (const std::string& entry : between_commas(list)) {
+    const std::string word = plain_word(entry);
     if (parse_class_range(word, classes)) continue;
     const auto* const name = std::find(std::begin(kClassNames), std::end(kClassNames), word);
     const auto* const group = std::find_if(std::begin(kClassGroups), std::end(kClassGroups),
