@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <vector>
 
 #include "sansmesh/box.h"
@@ -23,6 +24,15 @@ template <class T>
 BoxT<T> widened(const BoxT<T>& box, T by) {
   const VecT<T> d{by, by, by};
   return {box.lower - d, box.upper + d};
+}
+
+/// Bounding box of the finite points of a list.
+template <class Points>
+auto finite_bounds(const Points& points) {
+  BoxT<std::remove_cvref_t<decltype(points[0].x)>> box;
+  for (const auto& p : points)
+    if (is_finite(p)) box.extend(p);
+  return box;
 }
 
 template <class T>

@@ -8,13 +8,18 @@
 
 namespace sansmesh::inline v1 {
 
+/// The n-th smallest of the values, which are reordered; n counts from 0.
+template <class T>
+T nth_smallest(std::vector<T>& values, std::size_t n) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(n);
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
 /// Upper median of the values, which are reordered; 0 for an empty list.
 template <class T>
 T median(std::vector<T>& values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? T(0) : nth_smallest(values, values.size() / 2);
 }
 
 /// Standard deviation of normal deviates over the median of their magnitudes.

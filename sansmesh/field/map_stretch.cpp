@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/inverse_map.h"
 
@@ -122,9 +123,7 @@ MapStretch::MapStretch(const SpaceMap& map, const Box3& box, std::size_t nodes) 
   }
   double usual = 1;
   if (!known.empty()) {
-    const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-    std::nth_element(known.begin(), middle, known.end());
-    usual = *middle;
+    usual = median(known);
     all_ = {*std::min_element(known.begin(), known.end()), *std::max_element(known.begin(), known.end())};
   }
   for (double& s : nodes_)

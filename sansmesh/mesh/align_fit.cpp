@@ -60,10 +60,7 @@ double distance_of_most(const OrientedPoints& moving, const Surface& fixed, cons
     const Vec3 at = pose(moving.x[i]);
     distances[i] = fixed.closest(at, kEverywhere, foot) ? norm(at - foot.point) : 0;
   });
-  if (distances.empty()) return 0;
-  const auto at = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() * 4 / 5);
-  std::nth_element(distances.begin(), at, distances.end());
-  return *at;
+  return distances.empty() ? 0 : nth_smallest(distances, distances.size() * 4 / 5);
 }
 
 /// Moves the pose; returns the rms motion of the pairs without undetermined motions, since sliding along the surface

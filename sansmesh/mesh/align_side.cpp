@@ -216,10 +216,9 @@ Placement measure_side(const TriangleMesh& mesh, const char* name) {
   std::vector<double> far;
   far.reserve(places.size());
   for (const Vec3& p : places) far.push_back(norm(p - middle));
-  const auto at = far.begin() + static_cast<std::ptrdiff_t>(far.size() * 3 / 4);
-  std::nth_element(far.begin(), at, far.end());
-  if (!(*at > 0 && std::isfinite(*at))) throw DataError(std::string("the ") + name + " surface has no extent");
-  return {mesh.origin + middle, *at};
+  const double size = nth_smallest(far, far.size() * 3 / 4);
+  if (!(size > 0 && std::isfinite(size))) throw DataError(std::string("the ") + name + " surface has no extent");
+  return {mesh.origin + middle, size};
 }
 
 AlignSide prepare_side(const TriangleMesh& mesh, const Placement& frame, std::size_t most, const char* name,

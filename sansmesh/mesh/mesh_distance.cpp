@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/triangles.h"
@@ -153,9 +154,7 @@ OneWayDistance measure(const Samples& samples, const std::vector<Vec3>& vertices
   result.mean = sums.sum / count;
   result.rms = std::sqrt(sums.squares / count);
   result.max = std::max(sums.max, farthest);
-  const auto p95 = distances.begin() + static_cast<std::ptrdiff_t>(static_cast<double>(n) * 0.95);
-  std::nth_element(distances.begin(), p95, distances.end());
-  result.p95 = *p95;
+  result.p95 = nth_smallest(distances, static_cast<std::size_t>(static_cast<double>(n) * 0.95));
   if (normals && sums.with_normal > 0) {
     result.angle = sums.angles / sums.with_normal * 180 / std::numbers::pi;
     result.signed_angle = sums.signed_angles / sums.with_normal * 180 / std::numbers::pi;

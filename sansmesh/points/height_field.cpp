@@ -8,6 +8,7 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh::inline v1 {
@@ -145,11 +146,9 @@ double middle_height(std::span<const Vec3f> positions, const Vec3& at) {
   std::vector<double> heights;
   heights.reserve(some.size());
   for (const Vec3& p : some) heights.push_back(p.z - plane.x * p.x - plane.y * p.y - plane.z);
-  const auto quarter = static_cast<std::ptrdiff_t>(heights.size() / 4);
-  std::nth_element(heights.begin(), heights.begin() + quarter, heights.end());
-  const double lower = heights[static_cast<std::size_t>(quarter)];
-  std::nth_element(heights.begin(), heights.end() - 1 - quarter, heights.end());
-  return *(heights.end() - 1 - quarter) - lower;
+  const std::size_t quarter = heights.size() / 4;
+  const double lower = nth_smallest(heights, quarter);
+  return nth_smallest(heights, heights.size() - 1 - quarter) - lower;
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
 #include "sansmesh/points/duplicates.h"
@@ -123,8 +124,7 @@ std::vector<float> choose_radii(const KdTree& coarse, double ratio, std::span<co
     radii[c] = std::sqrt(found.back().squared_distance) * (found.size() == k ? shrink : 1.0f);
   });
   std::vector<float> sorted = radii;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const float limit = 6 * sorted[sorted.size() / 2];
+  const float limit = 6 * median(sorted);
   if (limit > 0)
     for (float& r : radii) r = std::min(r, limit);
   return radii;
@@ -216,8 +216,7 @@ std::vector<Neighbourhood> sample_neighbourhoods(std::span<const Vec3f> points, 
   const double ratio = static_cast<double>(n) / static_cast<double>(std::min(n, kCoarse));
   const std::vector<float> radii = choose_radii(KdTree(coarse_points), ratio, centers, size);
   std::vector<float> sorted = radii;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  const BallGrid grid(box, sorted[sorted.size() / 2], centers, radii);
+  const BallGrid grid(box, median(sorted), centers, radii);
 
   const std::size_t chunk = std::max(kSearchChunk, (n + kMostParts - 1) / kMostParts);
   std::vector<std::vector<NearestOffsets>> parts((n + chunk - 1) / chunk);
