@@ -57,7 +57,7 @@ enum class NormalUse {
 };
 
 /// Preparation of the samples before any method.
-struct SANSMESH_API CloudUse {
+struct SANSMESH_API CloudPreparation {
   FaceUse faces = FaceUse::automatic;        ///< samples of a mesh
   NormalUse normals = NormalUse::automatic;  ///< treatment of given normals
   /// Source of the signs of normals. Any source but automatic also reorients given normals, and throws DataError if the

@@ -60,10 +60,10 @@ double angle_between(const Similarity& a, const Similarity& b) {
   return std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0));
 }
 
-Similarity similarity_of(const Placement& place) {
+Similarity similarity_of(const LocalFrame& frame) {
   Similarity s;
-  s.scale = place.unit;
-  s.translation = place.origin;
+  s.scale = frame.unit;
+  s.translation = frame.origin;
   return s;
 }
 

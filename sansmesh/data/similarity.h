@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -48,6 +48,6 @@ Similarity rotation_by(const Vec3& vector);
 double angle_between(const Similarity& a, const Similarity& b);
 
 /// Map from local to input coordinates.
-Similarity similarity_of(const Placement& place);
+Similarity similarity_of(const LocalFrame& frame);
 
 }  // namespace sansmesh::inline v1

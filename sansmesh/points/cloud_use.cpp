@@ -19,17 +19,18 @@ struct ClassWords {
 };
 
 constexpr OptionRow kRows[] = {
-    option<&CloudUse::faces>({.text = "Of a mesh: sample its faces, ignore them, take its vertices, however few, or "
-                                      "auto (sample where vertices are sparse)",
-                              .choices = kFaces}),
-    option<&CloudUse::normals>(
+    option<&CloudPreparation::faces>(
+        {.text = "Of a mesh: sample its faces, ignore them, take its vertices, however few, or "
+                 "auto (sample where vertices are sparse)",
+         .choices = kFaces}),
+    option<&CloudPreparation::normals>(
         {.text = "Use given ones unchanged, estimate new ones, or auto (flip given ones if necessary)",
          .choices = kNormals}),
-    option<&CloudUse::orient_by>(
+    option<&CloudPreparation::orient_by>(
         {.text = "Source of the signs of normals (auto: the first known one)", .choices = kOrientByWords}),
-    option<&CloudUse::align>({.text = "Align slightly misregistered scans"}),
-    option<&CloudUse::remove_outliers>({.text = "Remove stray samples, which belong to no surface"}),
-    option<&CloudUse::classes, ClassWords>(
+    option<&CloudPreparation::align>({.text = "Align slightly misregistered scans"}),
+    option<&CloudPreparation::remove_outliers>({.text = "Remove stray samples, which belong to no surface"}),
+    option<&CloudPreparation::classes, ClassWords>(
         {.text = "Only points of these comma-separated classes: names (ground, building) or numbers (2, 3-5)",
          .unit = "classes",
          .from_data = "all",
@@ -38,6 +39,6 @@ constexpr OptionSchema kSchema{kRows};
 
 }  // namespace
 
-const OptionSchema& CloudUse::schema() { return kSchema; }
+const OptionSchema& CloudPreparation::schema() { return kSchema; }
 
 }  // namespace sansmesh::inline v1

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sansmesh/cloud_options.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/face_shape.h"
 #include "sansmesh/points/sights.h"
@@ -16,7 +16,7 @@ namespace sansmesh::inline v1 {
 
 struct PreparedCloud {
   PointSet points;                 ///< cleaned samples with oriented normals; origin 0, size about 1
-  Placement place;                 ///< their local frame; the unit is a power of two
+  LocalFrame frame;                ///< their local frame; the unit is a power of two
   bool estimated_normals = false;  ///< normals were missing or ignored
   /// Orientation of faces if normals come from faces that bound solids: exact, not estimated.
   FaceSides face_sides = FaceSides::unknown;
@@ -36,7 +36,7 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
 /// Complete preparation. Given normals that agree with their neighbours keep their signs, unless they point into a
 /// closed shape or away from the sensor. Throws DataError as prepare_positions and keep_classes; ArgumentError for
 /// `orient_by` together with normals as given.
-PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& progress);
+PreparedCloud prepare_cloud(PointSet points, const CloudPreparation& use, Progress& progress);
 
 /// Sharpens estimated normals at creases (`denoise_normals`), for surfaces with creases. Estimation blurs creases;
 /// given normals may be exact, so they stay.

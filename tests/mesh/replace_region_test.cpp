@@ -1,5 +1,6 @@
+#include "sansmesh/mesh/edit/replace_region.h"
+// A region of a mesh replaced by that of another, where they differ.
 // Replacement of a changed region of a mesh.
-#include "sansmesh/mesh/replace_region.h"
 
 #include <algorithm>
 #include <cmath>
