@@ -17,7 +17,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/repair/components.h"
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh/topology_words.h"
 #include "sansmesh/mesh_measures.h"
 
@@ -125,7 +125,7 @@ SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progr
   options.validate();
   SimplifyResult result;
   const TriangleMesh original = mesh;
-  const JoinedPlaces places = join_places(mesh);
+  const JoinedVertices places = join_equal_vertices(mesh);
   result.report.vertices = original.vertices.size(), result.report.triangles = original.triangles.size();
   result.report.joined_vertices = places.joined;
   if (places.seams > 0) result.notes.push_back(seams_note(places.seams));

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
@@ -168,7 +168,7 @@ TEST(FillHoles, TouchingHolesSeamsAndLongLoops) {
     soup.triangles.push_back({base, base + 1, base + 2});
   }
   EXPECT_EQ(find_holes(soup).loops.size(), 0u);
-  EXPECT_GT(join_places(soup).joined, 0u);
+  EXPECT_GT(join_equal_vertices(soup).joined, 0u);
   EXPECT_TRUE(measure_topology(soup).closed());
 
   // A loop too long for the exact algorithm.

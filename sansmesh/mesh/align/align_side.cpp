@@ -11,7 +11,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
@@ -158,10 +158,10 @@ WholeSurface::WholeSurface(const TriangleMesh& mesh, const OrientedPoints& point
     return;
   }
   triangles_ = std::make_unique<ClosestTriangle>(mesh);
-  const PlaceEdges edges = edges_by_place(mesh);
+  const PositionEdges edges = edges_by_position(mesh);
   border_edge_.assign(mesh.triangles.size(), 0);
   border_vertex_.assign(mesh.vertices.size(), 0);
-  for (const PlaceEdges::Edge& e : edges.edges) {
+  for (const PositionEdges::Edge& e : edges.edges) {
     if (e.count != 1) continue;
     const std::uint32_t corner = edges.corners[e.first];
     border_edge_[corner / 3] |= static_cast<std::uint8_t>(1u << corner % 3);

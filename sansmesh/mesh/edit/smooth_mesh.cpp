@@ -15,7 +15,7 @@
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_quality.h"
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/mesh_measures.h"
 
@@ -53,7 +53,7 @@ double cotangent_at(const Vec3& corner, const Vec3& a, const Vec3& b) {
 /// Mesh with coincident vertices identified, and data common to all filters.
 struct SmoothState {
   TriangleMesh& mesh;
-  PlaceEdges edges;
+  PositionEdges edges;
   Vec3 middle;
   std::vector<Vec3> x, start;  // positions of the representatives, relative to `middle`
   std::vector<std::uint8_t> used, border, stays;
@@ -61,7 +61,7 @@ struct SmoothState {
   std::vector<std::uint32_t> first, neighbour;
   std::vector<double> weight;
 
-  explicit SmoothState(TriangleMesh& m) : mesh(m), edges(edges_by_place(m)), middle(bounds(m).center()) {
+  explicit SmoothState(TriangleMesh& m) : mesh(m), edges(edges_by_position(m)), middle(bounds(m).center()) {
     const std::size_t n = mesh.vertices.size();
     x.resize(n), used.resize(n), border.resize(n), stays.resize(n);
     for (std::size_t v = 0; v < n; ++v) x[v] = Vec3(mesh.vertices[v]) - middle;
@@ -70,7 +70,7 @@ struct SmoothState {
 
   void find_borders(bool move_borders) {
     std::vector<std::uint8_t> border_edges(x.size());
-    for (const PlaceEdges::Edge& e : edges.edges) {
+    for (const PositionEdges::Edge& e : edges.edges) {
       used[e.a] = used[e.b] = 1;
       if (e.count == 2) continue;
       for (const std::uint32_t v : {e.a, e.b}) {
@@ -83,7 +83,7 @@ struct SmoothState {
       if (border[v] && (!move_borders || border_edges[v] != 2)) stays[v] = 1;
   }
 
-  double edge_weight(const PlaceEdges::Edge& e) const {
+  double edge_weight(const PositionEdges::Edge& e) const {
     double sum = 0;
     for (std::uint32_t k = 0; k < e.count; ++k) {
       const std::uint32_t corner = edges.corners[e.first + k];
@@ -95,17 +95,17 @@ struct SmoothState {
 
   void find_neighbours() {
     first.assign(x.size() + 1, 0);
-    const auto counts = [&](std::uint32_t v, std::uint32_t w, const PlaceEdges::Edge& e) {
+    const auto counts = [&](std::uint32_t v, std::uint32_t w, const PositionEdges::Edge& e) {
       return !stays[v] && (!border[v] || (e.count == 1 && border[w]));
     };
-    for (const PlaceEdges::Edge& e : edges.edges) {
+    for (const PositionEdges::Edge& e : edges.edges) {
       if (counts(e.a, e.b, e)) ++first[e.a + 1];
       if (counts(e.b, e.a, e)) ++first[e.b + 1];
     }
     for (std::size_t v = 0; v < x.size(); ++v) first[v + 1] += first[v];
     neighbour.resize(first.back()), weight.resize(first.back());
     std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-    for (const PlaceEdges::Edge& e : edges.edges) {
+    for (const PositionEdges::Edge& e : edges.edges) {
       const double w = edge_weight(e);
       for (const auto& [v, other] : {std::pair(e.a, e.b), std::pair(e.b, e.a)})
         if (counts(v, other, e)) neighbour[next[v]] = other, weight[next[v]++] = border[v] ? 1 : w;
@@ -132,7 +132,7 @@ struct SmoothState {
 
 double mean_length(const SmoothState& s) {
   double sum = 0;
-  for (const PlaceEdges::Edge& e : s.edges.edges) sum += norm(s.x[e.a] - s.x[e.b]);
+  for (const PositionEdges::Edge& e : s.edges.edges) sum += norm(s.x[e.a] - s.x[e.b]);
   return s.edges.edges.empty() ? 0 : sum / static_cast<double>(s.edges.edges.size());
 }
 
@@ -187,7 +187,7 @@ struct Bodies {
 
   explicit Bodies(const SmoothState& s) : of(s.x.size()) {
     UnionFind joined(s.x.size());
-    for (const PlaceEdges::Edge& e : s.edges.edges) joined.join(e.a, e.b);
+    for (const PositionEdges::Edge& e : s.edges.edges) joined.join(e.a, e.b);
     std::vector<std::uint32_t> number(s.x.size(), 0);
     for (std::size_t v = 0; v < s.x.size(); ++v) {
       std::uint32_t& own = number[joined.find(static_cast<std::uint32_t>(v))];
@@ -289,7 +289,7 @@ struct FaceNormals {
 /// The median angle between triangles with a common edge is noise, as long as most edges are not creases.
 double crease_from_noise(const SmoothState& s, const FaceNormals& faces) {
   std::vector<double> angles;
-  for (const PlaceEdges::Edge& e : s.edges.edges) {
+  for (const PositionEdges::Edge& e : s.edges.edges) {
     if (e.count != 2) continue;
     const Vec3 &a = faces.normal[s.edges.corners[e.first] / 3], &b = faces.normal[s.edges.corners[e.first + 1] / 3];
     angles.push_back(std::atan2(norm(cross(a, b)), dot(a, b)));
@@ -313,7 +313,7 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
   const VertexCorners corners(by_place, s.x.size());
   double apart = 0;
   std::size_t pairs = 0;
-  for (const PlaceEdges::Edge& e : s.edges.edges)
+  for (const PositionEdges::Edge& e : s.edges.edges)
     if (e.count == 2) {
       apart += norm(faces.center[s.edges.corners[e.first] / 3] - faces.center[s.edges.corners[e.first + 1] / 3]);
       ++pairs;

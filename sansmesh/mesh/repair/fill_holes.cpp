@@ -14,7 +14,7 @@
 #include "sansmesh/mesh/mesh_vertices.h"
 #include "sansmesh/mesh/repair/hole_loops.h"
 #include "sansmesh/mesh/repair/hole_patch.h"
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/search/kd_tree.h"
 
@@ -36,7 +36,7 @@ constexpr std::size_t kLeastEndEdges = 8;
 /// Mean length of the edges at each representative.
 std::vector<double> mean_edge_lengths(const HoledMesh& m) {
   std::vector<double> length(m.mesh.vertices.size()), count(length);
-  for (const PlaceEdges::Edge& e : m.edges.edges)
+  for (const PositionEdges::Edge& e : m.edges.edges)
     for (const std::uint32_t v : {e.a, e.b}) {
       length[v] += norm(Vec3(m.mesh.vertices[e.a]) - Vec3(m.mesh.vertices[e.b]));
       count[v] += 1;

@@ -17,7 +17,7 @@ struct BorderEdge {
   std::uint32_t from, to;  ///< representatives
   std::uint32_t vertex;    ///< vertex of the border triangle at `from`
   std::uint32_t beside;    ///< third corner of that triangle (representative)
-  std::uint32_t corner;    ///< as in PlaceEdges
+  std::uint32_t corner;    ///< as in PositionEdges
 };
 
 /// Mean component, along the normal of the loop's plane, of the directions from the edges of a loop into the mesh.
@@ -64,25 +64,25 @@ HoleLoop measure_loop(const HoledMesh& m, const std::vector<BorderEdge>& all, st
 }  // namespace
 
 detail::HoledMesh::HoledMesh(const TriangleMesh& m)
-    : mesh(m), edges(edges_by_place(m)), piece(m.vertices.size()), box(m.vertices.size()) {
+    : mesh(m), edges(edges_by_position(m)), piece(m.vertices.size()), box(m.vertices.size()) {
   UnionFind sets(m.vertices.size());
-  for (const PlaceEdges::Edge& e : edges.edges) sets.join(e.a, e.b);
+  for (const PositionEdges::Edge& e : edges.edges) sets.join(e.a, e.b);
   for (std::uint32_t v = 0; v < piece.size(); ++v) piece[v] = sets.find(v);
-  for (const PlaceEdges::Edge& e : edges.edges)
+  for (const PositionEdges::Edge& e : edges.edges)
     for (const std::uint32_t v : {e.a, e.b}) box[piece[v]].extend(Vec3(m.vertices[v]));
 }
 
 bool detail::HoledMesh::joined(std::uint32_t a, std::uint32_t b) const {
   const std::pair<std::uint32_t, std::uint32_t> wanted = std::minmax(a, b);
   const auto at = std::lower_bound(edges.edges.begin(), edges.edges.end(), wanted,
-                                   [](const PlaceEdges::Edge& e, const auto& w) { return std::pair(e.a, e.b) < w; });
+                                   [](const PositionEdges::Edge& e, const auto& w) { return std::pair(e.a, e.b) < w; });
   return at != edges.edges.end() && std::pair(at->a, at->b) == wanted;
 }
 
 HoleLoops detail::find_loops(const HoledMesh& m) {
   HoleLoops found;
   std::vector<BorderEdge> all;
-  for (const PlaceEdges::Edge& e : m.edges.edges) {
+  for (const PositionEdges::Edge& e : m.edges.edges) {
     found.nonmanifold_edges += e.count > 2;
     if (e.count != 1) continue;
     const std::uint32_t corner = m.edges.corners[e.first];

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sansmesh/box.h"
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/repair_options.h"
 #include "sansmesh/triangle_mesh.h"
 
@@ -16,7 +16,7 @@ namespace sansmesh::inline v1::detail {
 /// Mesh with coincident vertices identified.
 struct HoledMesh {
   const TriangleMesh& mesh;
-  PlaceEdges edges;
+  PositionEdges edges;
   std::vector<std::uint32_t> piece;  ///< component of each representative: its first vertex
   std::vector<Box3> box;             ///< bounding box per component
 

@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 
 #include <algorithm>
 
@@ -12,9 +12,9 @@
 
 namespace sansmesh::inline v1 {
 
-PlaceEdges edges_by_place(const TriangleMesh& mesh) {
+PositionEdges edges_by_position(const TriangleMesh& mesh) {
   if (mesh.triangles.size() > kMostTriangles) throw DataError("the mesh has more triangles than can be counted");
-  PlaceEdges all;
+  PositionEdges all;
   all.place = first_equal_positions(mesh.vertices);
   std::vector<KeyIndex> keys;
   keys.reserve(3 * mesh.triangles.size());
@@ -52,8 +52,8 @@ bool looks_the_same(const TriangleMesh& mesh, std::size_t a, std::size_t b) {
 
 }  // namespace
 
-JoinedPlaces join_places(TriangleMesh& mesh) {
-  JoinedPlaces report;
+JoinedVertices join_equal_vertices(TriangleMesh& mesh) {
+  JoinedVertices report;
   const std::vector<std::uint32_t> first = first_equal_positions(mesh.vertices);
   std::vector<std::uint32_t> number(mesh.vertices.size()), kept;
   std::vector<Vec3> normals(mesh.normals.size());
