@@ -17,7 +17,7 @@ double scaled_norm(const Vec3& v);
 }
 
 /// norm() without overflow or underflow of squares; bit-identical to norm() where neither occurs.
-inline double long_norm(const Vec3& v) {
+inline double safe_norm(const Vec3& v) {
   const double square = squared_norm(v);
   return square >= 0x1p-900 && square <= 0x1p900 ? std::sqrt(square) : detail::scaled_norm(v);
 }

@@ -18,13 +18,13 @@ void check_cancelled() {
 
 namespace detail {
 
-const Progress* heard_progress() { return heard; }
+const Progress* observed_progress() { return heard; }
 
-ListenAs::ListenAs(const Progress* progress) : before_(heard) {
+ObserveAs::ObserveAs(const Progress* progress) : before_(heard) {
   if (progress != nullptr) progress->check();
   heard = progress;
 }
-ListenAs::~ListenAs() { heard = before_; }
+ObserveAs::~ObserveAs() { heard = before_; }
 
 }  // namespace detail
 }  // namespace sansmesh::inline v1

@@ -11,16 +11,16 @@ void check_cancelled();
 namespace detail {
 
 /// Progress that the calling thread observes; null if there is none.
-const Progress* heard_progress();
+const Progress* observed_progress();
 
 /// Makes a worker thread observe the Progress of the loop's caller while this object lives. Throws Cancelled if it is
 /// already cancelled.
-class ListenAs {
+class ObserveAs {
  public:
-  explicit ListenAs(const Progress* progress);
-  ~ListenAs();
-  ListenAs(const ListenAs&) = delete;
-  ListenAs& operator=(const ListenAs&) = delete;
+  explicit ObserveAs(const Progress* progress);
+  ~ObserveAs();
+  ObserveAs(const ObserveAs&) = delete;
+  ObserveAs& operator=(const ObserveAs&) = delete;
 
  private:
   const Progress* before_;

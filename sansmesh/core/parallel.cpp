@@ -170,13 +170,13 @@ void detail::parallel_ranges(std::size_t begin, std::size_t end, std::size_t gra
     }
     return;
   }
-  const Progress* const progress = heard_progress();
+  const Progress* const progress = observed_progress();
   enter(here, [&](tbb::task_group_context& context) {
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(begin, end, grain),
         [&](const tbb::blocked_range<std::size_t>& r) {
           const At at({here.team, true});
-          const ListenAs caller(progress);
+          const ObserveAs caller(progress);
           body(r.begin(), r.end());
         },
         tbb::simple_partitioner(), context);
@@ -191,11 +191,11 @@ void parallel_invoke(const std::function<void()>& a, const std::function<void()>
     b();
     return;
   }
-  const Progress* const progress = detail::heard_progress();
+  const Progress* const progress = detail::observed_progress();
   const auto branch = [&](const std::function<void()>& work) {
     return [&] {
       const At at({here.team, true, true});
-      const detail::ListenAs caller(progress);
+      const detail::ObserveAs caller(progress);
       work();
     };
   };

@@ -36,7 +36,7 @@ thread_local Place place;
 template <class Work>
 void run(std::size_t count, const Work& work) {
   const Place here = place;
-  const Progress* const progress = detail::heard_progress();
+  const Progress* const progress = detail::observed_progress();
   const auto threads = here.depth < kDeepest ? std::min(count, static_cast<std::size_t>(here.threads)) : 1;
   if (threads <= 1) {
     for (std::size_t c = 0; c < count; ++c) {
@@ -52,7 +52,7 @@ void run(std::size_t count, const Work& work) {
     const Place before = std::exchange(place, {here.threads, here.depth + 1});
     try {
       for (std::size_t c = thread; c < count && !failed.load(std::memory_order_relaxed); c += threads) {
-        const detail::ListenAs caller(progress);
+        const detail::ObserveAs caller(progress);
         work(c);
       }
     } catch (...) {

@@ -36,7 +36,7 @@ std::string without_dashes(const std::string& word) {
 
 }  // namespace
 
-int unlikeness(const std::string& mistyped, const std::string& known) {
+int word_distance(const std::string& mistyped, const std::string& known) {
   const std::string a = without_dashes(plain(mistyped)), b = without_dashes(plain(known));
   if (a.empty() || b.empty()) return -1;
   if (a.size() == 1 && mistyped[0] == '-' && a[0] == b[0]) return 4;  // a short option: -v
@@ -60,7 +60,7 @@ std::string joined_by_or(const std::vector<std::string>& words) {
 std::vector<std::string> similar_words(const std::string& mistyped, const std::vector<std::string>& known) {
   std::vector<std::pair<int, std::string>> found;
   for (const std::string& word : known)
-    if (const int distance = unlikeness(mistyped, word); distance >= 0) found.emplace_back(distance, word);
+    if (const int distance = word_distance(mistyped, word); distance >= 0) found.emplace_back(distance, word);
   std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<std::string> words;
   for (const auto& [distance, word] : found) {

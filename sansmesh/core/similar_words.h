@@ -8,7 +8,7 @@ namespace sansmesh::inline v1 {
 
 /// Distance between a known word and the typed one: 0 if they differ only in capitals and underscores, −1 if they are
 /// not similar.
-int unlikeness(const std::string& mistyped, const std::string& known);
+int word_distance(const std::string& mistyped, const std::string& known);
 
 /// Known words similar to a mistyped one, best first, at most three: a few letters omitted, inserted, swapped or
 /// replaced, or a prefix. Ignores capitals and underscores.

@@ -43,7 +43,7 @@ Box3 finite_part(const Box3& box) {
 
 Box3 box_after(const ScalarField& source, const SpaceMap& map, const std::optional<Box3>& near) {
   const Box3 box = source.bounds();
-  if (box.empty() || (is_finite(box.lower) && is_finite(box.upper))) return box_before(map, box, near);
+  if (box.empty() || (is_finite(box.lower) && is_finite(box.upper))) return preimage_box(map, box, near);
   constexpr double kEnd = std::numeric_limits<double>::infinity();
   return {{-kEnd, -kEnd, -kEnd}, {kEnd, kEnd, kEnd}};
 }

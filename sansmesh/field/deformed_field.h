@@ -21,7 +21,7 @@ namespace sansmesh::inline v1 {
 /// value is the size of the field's box.
 class DeformedField final : public PiecewiseField {
  public:
-  /// `near`: an approximate box of the deformed field (box_before). Throws DataError as box_before, if the source's
+  /// `near`: an approximate box of the deformed field (preimage_box). Throws DataError as preimage_box, if the source's
   /// bounds are finite.
   DeformedField(std::shared_ptr<const ScalarField> source, std::shared_ptr<const SpaceMap> map,
                 std::optional<Box3> near = {});

@@ -20,7 +20,7 @@ DeformedVolume::DeformedVolume(std::shared_ptr<const VolumeField> source, std::s
     : source_(std::move(source)),
       map_(std::move(map)),
       gaps_(map_->has_gaps()),
-      bounds_(bounds ? *bounds : box_before(*map_, source_->bounds(), near)),
+      bounds_(bounds ? *bounds : preimage_box(*map_, source_->bounds(), near)),
       stretch_(*map_, bounds_) {}
 
 void DeformedVolume::evaluate(std::span<const Vec3> all, const VolumeAnswers& wanted) const {

@@ -18,7 +18,7 @@ namespace sansmesh::inline v1 {
 class DeformedVolume final : public VolumeField {
  public:
   /// `near`: an approximate box of the deformed volume. `bounds` is used unchanged if given, otherwise computed
-  /// (box_before). Throws DataError as box_before.
+  /// (preimage_box). Throws DataError as preimage_box.
   DeformedVolume(std::shared_ptr<const VolumeField> source, std::shared_ptr<const SpaceMap> map,
                  std::optional<Box3> near = {}, std::optional<Box3> bounds = {});
 

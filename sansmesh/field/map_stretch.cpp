@@ -194,7 +194,7 @@ MapStretch::Range MapStretch::around(const Vec3& x, double radius) const {
   return range;
 }
 
-Box3 box_before(const SpaceMap& map, const Box3& source, std::optional<Box3> near) {
+Box3 preimage_box(const SpaceMap& map, const Box3& source, std::optional<Box3> near) {
   if (source.empty()) return source;
   Box3 box = near ? *near : box_of_inverse(map, source);
   if (box.empty()) box = source;

@@ -50,6 +50,6 @@ class MapStretch {
 /// the source, widened by the variation of the map between lattice points. Then shrinks it to the cells of a lattice of
 /// 32³ that may map into the source, plus their neighbours if the map has gaps. Throws DataError if nothing maps into
 /// the source, or if growth exceeds a thousand times the source's size.
-Box3 box_before(const SpaceMap& map, const Box3& source, std::optional<Box3> near = {});
+Box3 preimage_box(const SpaceMap& map, const Box3& source, std::optional<Box3> near = {});
 
 }  // namespace sansmesh::inline v1

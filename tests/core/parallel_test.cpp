@@ -237,7 +237,7 @@ TEST(Progress, LoopsOfACancelledScopeEndBeforeTheirNextRange) {
     EXPECT_GE(visited, 50u);
     EXPECT_LT(visited, 200u) << "loops within loops listen, too";
     EXPECT_THROW(work(), Cancelled) << "loops do not begin either";
-    EXPECT_EQ(detail::heard_progress(), nullptr);
+    EXPECT_EQ(detail::observed_progress(), nullptr);
     parallel_for(0, 1000, 1, [&](std::size_t) { ++visited; });
     EXPECT_GE(visited, 1050u) << "nothing listens outside of the scope";
   }
