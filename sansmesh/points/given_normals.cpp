@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kMostLookingAway = 0.1;  ///< share of the normals, if a sensor is known for all samples
+constexpr double kMostFacingAway = 0.1;  ///< share of the normals, if a sensor is known for all samples
 constexpr double kNearlyAll = 0.95;
 
 std::string percent_words(double share) { return fmt::format("{:.2g} %", 100 * share); }
@@ -74,10 +74,10 @@ GivenNormals judge_normals(const PointSet& points, double noise) {
   const bool consistent = report.check != OrientationCheck::unoriented;
   for (const OrientBy by : kOrientationOrder) {
     if (by == OrientBy::up && consistent) break;  // a guess, in contrast to the other sources
-    const std::vector<Vec3f> sights = find_own_sights(points, by, noise);
-    if (sights.empty()) continue;
-    const double away = share_looking_away(points, sights);
-    if (away >= kMostLookingAway) continue;
+    const std::vector<Vec3f> directions = find_own_sensor_directions(points, by, noise);
+    if (directions.empty()) continue;
+    const double away = share_facing_away(points, directions);
+    if (away >= kMostFacingAway) continue;
     given.oriented = true;
     given.words = fmt::format("oriented {}, but for {}", orientation_words(by), percent_words(away));
     given.oriented_by = by;

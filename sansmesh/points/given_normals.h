@@ -7,7 +7,7 @@
 #include "sansmesh/cloud_options.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/orientation.h"
-#include "sansmesh/points/sights.h"
+#include "sansmesh/points/sensor_directions.h"
 
 namespace sansmesh::inline v1 {
 

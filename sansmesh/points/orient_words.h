@@ -3,7 +3,7 @@
 
 #include <string_view>
 
-#include "sansmesh/points/sights.h"
+#include "sansmesh/points/sensor_directions.h"
 
 namespace sansmesh::inline v1 {
 

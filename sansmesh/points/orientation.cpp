@@ -29,7 +29,7 @@ constexpr std::size_t kCheckSamples = 30000;
 constexpr int kExtremeDirections = 64;
 /// Cosines between normals and directions to the sensor: above the first, the sign is fixed at once; above the second,
 /// after the smooth patches, where these are undecided.
-constexpr float kClearSight = 0.5f, kLeastSight = 0.25f;
+constexpr float kClearCosine = 0.5f, kLeastCosine = 0.25f;
 /// A direction is implausible if this share of the visible samples of smooth patches contradicts the rest of the patch.
 constexpr double kMostContradiction = 0.2;
 /// Number of samples sufficient for this test, and length of their stretches.
@@ -53,15 +53,15 @@ constexpr std::size_t kLeastPatch = 8, kMostStretches = 20000, kMostPatchesOfStr
 
 /// Directions from the samples of a graph to the sensor, and an extra node that represents it: samples that agree with
 /// this node face the sensor.
-class Sights {
+class SensorCosines {
  public:
-  Sights() = default;
+  SensorCosines() = default;
   /// Rough parts have also been seen from the side and from within by an airborne sensor: only `firm` samples count.
-  Sights(const RelationGraph& graph, const std::vector<Vec3f>& sights, bool from_air)
-      : cosine_(sights.empty() ? 0 : graph.size()) {
+  SensorCosines(const RelationGraph& graph, const std::vector<Vec3f>& directions, bool from_air)
+      : cosine_(directions.empty() ? 0 : graph.size()) {
     parallel_for(0, cosine_.size(), 16384, [&](std::size_t s) {
       if (from_air && !graph.firm(s)) return;
-      cosine_[s] = std::clamp(dot(graph.normals()[s], sights[graph.tree().order()[s]]), -1.0f, 1.0f);
+      cosine_[s] = std::clamp(dot(graph.normals()[s], directions[graph.tree().order()[s]]), -1.0f, 1.0f);
     });
   }
 
@@ -88,7 +88,7 @@ class Sights {
         }
     std::vector<double> agree(n), differ(n);
     for (std::size_t s = 0; s < n; s = next_of_stretch(s, skip)) {
-      if (!(std::abs(cosine_[s]) > kLeastSight)) continue;
+      if (!(std::abs(cosine_[s]) > kLeastCosine)) continue;
       const SignForest::Root root = forest.find(static_cast<std::uint32_t>(s));
       const double weight = static_cast<double>(cosine_[s]) * static_cast<double>(cosine_[s]);
       ((cosine_[s] < 0) != root.flip ? differ : agree)[root.index] += weight;
@@ -110,9 +110,9 @@ class Sights {
 
 // Joins smooth patches first, from the most to the least reliable edges; then patches by the vote of all edges between
 // them. Samples that clearly face the sensor or away are fixed before, the others after the patches.
-void propagate(const RelationGraph& graph, const Sights& sights, SignForest& forest, Progress& progress) {
-  if (sights.known()) {
-    sights.join(forest, kClearSight);
+void propagate(const RelationGraph& graph, const SensorCosines& sensor, SignForest& forest, Progress& progress) {
+  if (sensor.known()) {
+    sensor.join(forest, kClearCosine);
     forest.flatten();
   } else {
     join_stretches(graph, forest, kSure[0]);
@@ -121,7 +121,7 @@ void propagate(const RelationGraph& graph, const Sights& sights, SignForest& for
     join_sure(graph, forest, sure);
     progress.advance(graph.size());
   }
-  if (sights.known()) sights.join(forest, kLeastSight);
+  if (sensor.known()) sensor.join(forest, kLeastCosine);
   forest.flatten();
   join_by_votes(graph, forest);
   progress.advance(graph.size());
@@ -141,7 +141,7 @@ struct Parts {
   std::int8_t seen_sign = 1;
 };
 
-Parts collect_parts(const RelationGraph& graph, const Sights& sights, SignForest& forest) {
+Parts collect_parts(const RelationGraph& graph, const SensorCosines& sensor, SignForest& forest) {
   Parts parts;
   constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> name(forest.size(), kNone);
@@ -153,7 +153,7 @@ Parts collect_parts(const RelationGraph& graph, const Sights& sights, SignForest
     parts.part[s] = name[root.index];
     parts.sign[s] = root.flip ? -1 : 1;
   }
-  if (sights.known()) {
+  if (sensor.known()) {
     // The node may have no samples: all seen at a grazing angle, or by nonexistent scanners.
     const SignForest::Root root = forest.find(static_cast<std::uint32_t>(graph.size()));
     if (name[root.index] != kNone) parts.seen = name[root.index], parts.seen_sign = root.flip ? -1 : 1;
@@ -163,7 +163,7 @@ Parts collect_parts(const RelationGraph& graph, const Sights& sights, SignForest
 
 // Flips individual samples that contradict most of their neighbours. The sensor direction weighs as much as all
 // neighbours.
-void polish(const RelationGraph& graph, const Sights& sights, Parts& parts) {
+void polish(const RelationGraph& graph, const SensorCosines& sensor, Parts& parts) {
   const float weight = 2.0f * 127 * 127 * static_cast<float>(graph.degree()) * parts.seen_sign;
   for (int round = 0; round < 2; ++round) {
     const std::vector<std::int8_t> before = parts.sign;
@@ -174,7 +174,7 @@ void polish(const RelationGraph& graph, const Sights& sights, Parts& parts) {
         vote += r * std::abs(r) * before[graph.neighbour(s, k)];
       }
       if (parts.seen && *parts.seen == parts.part[s])
-        vote += whole_part<long>(std::round(weight * sights.cosine(s) * std::abs(sights.cosine(s))));
+        vote += whole_part<long>(std::round(weight * sensor.cosine(s) * std::abs(sensor.cosine(s))));
       if (vote * before[s] < 0) parts.sign[s] = static_cast<std::int8_t>(-before[s]);
     });
   }
@@ -190,20 +190,20 @@ std::size_t sets_of(const SignForest& forest) {
 /// Determines the signs of a graph's normals. Noise can make even the most reliable edges contradictory, so that the
 /// first ones decide for whole regions. Votes between small patches, unless there are too many, use all edges. Keeps
 /// the result with fewer contradictions.
-Parts settle_signs(const RelationGraph& graph, const Sights& sights, Progress& progress) {
+Parts settle_signs(const RelationGraph& graph, const SensorCosines& sensor, Progress& progress) {
   SignForest forest(graph.size() + 1);
-  propagate(graph, sights, forest, progress);
-  Parts parts = collect_parts(graph, sights, forest);
-  polish(graph, sights, parts);
-  if (sights.known()) return parts;
+  propagate(graph, sensor, forest, progress);
+  Parts parts = collect_parts(graph, sensor, forest);
+  polish(graph, sensor, parts);
+  if (sensor.known()) return parts;
   const double agreement = graph.agreement(parts.sign);
   if (agreement >= kHardlyContradicted) return parts;
   SignForest patches(graph.size() + 1);
   join_stretches(graph, patches, kSure[0], std::max(kLeastPatch, graph.size() / kMostStretches));
   if (sets_of(patches) > kMostPatchesOfStretch * kMostStretches) return parts;
   join_by_votes(graph, patches);
-  Parts voted = collect_parts(graph, sights, patches);
-  polish(graph, sights, voted);
+  Parts voted = collect_parts(graph, sensor, patches);
+  polish(graph, sensor, voted);
   return graph.agreement(voted.sign) > agreement ? voted : parts;
 }
 
@@ -288,7 +288,7 @@ OrientationReport judge(std::span<const Vec3f> positions, std::span<const Vec3f>
   const KdTree tree(positions);
   const RelationGraph graph(tree, normals, 10, noise);
   SignForest forest(graph.size());
-  const Sights unknown;
+  const SensorCosines unknown;
   propagate(graph, unknown, forest, silent);
   Parts parts = collect_parts(graph, unknown, forest);
   polish(graph, unknown, parts);
@@ -362,22 +362,22 @@ OrientationReport judge_some(const PointSet& points, std::optional<double> known
 bool from_air(OrientBy by) { return by == OrientBy::flight || by == OrientBy::up; }
 
 /// Requested source, or the first known and plausible one in order of reliability.
-OrientBy choose_sights(const PointSet& points, const RelationGraph& graph, OrientBy asked, double noise,
-                       Sights& sights) {
+OrientBy choose_source(const PointSet& points, const RelationGraph& graph, OrientBy asked, double noise,
+                       SensorCosines& sensor) {
   if (asked == OrientBy::propagation) return asked;
   if (asked != OrientBy::automatic) {
-    const std::vector<Vec3f> found = find_sights(points, asked);
+    const std::vector<Vec3f> found = find_sensor_directions(points, asked);
     if (found.empty()) throw DataError(unknown_sights(asked));
-    sights = Sights(graph, found, from_air(asked));
+    sensor = SensorCosines(graph, found, from_air(asked));
     return asked;
   }
   for (const OrientBy by : kOrientationOrder) {
-    const std::vector<Vec3f> found = find_own_sights(points, by, noise);
+    const std::vector<Vec3f> found = find_own_sensor_directions(points, by, noise);
     if (found.empty()) continue;
-    sights = Sights(graph, found, from_air(by));
-    if (sights.believable(graph)) return by;
+    sensor = SensorCosines(graph, found, from_air(by));
+    if (sensor.believable(graph)) return by;
   }
-  sights = {};
+  sensor = {};
   return OrientBy::propagation;
 }
 
@@ -397,9 +397,9 @@ OrientBy orient_normals(PointSet& points, const KdTree& tree, const OrientationO
   const double noise = options.noise ? *options.noise : estimate_noise(points);
   const RelationGraph graph(tree, points.normals, options.neighbours, noise);
   progress.advance(points.size());
-  Sights sights;
-  const OrientBy by = choose_sights(points, graph, options.by, noise, sights);
-  Parts parts = settle_signs(graph, sights, progress);
+  SensorCosines sensor;
+  const OrientBy by = choose_source(points, graph, options.by, noise, sensor);
+  Parts parts = settle_signs(graph, sensor, progress);
   judge_outwardness(graph, parts);
   parallel_for(0, graph.size(), 16384, [&](std::size_t s) {
     const std::uint32_t p = parts.part[s];
@@ -411,12 +411,12 @@ OrientBy orient_normals(PointSet& points, const KdTree& tree, const OrientationO
   return by;
 }
 
-double share_looking_away(const PointSet& points, std::span<const Vec3f> sights) {
+double share_facing_away(const PointSet& points, std::span<const Vec3f> directions) {
   std::size_t away = 0, clear = 0;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
-    const float cosine = dot(points.normals[i], sights[i]);
-    clear += std::abs(cosine) > kLeastSight;
-    away += cosine < -kLeastSight;
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const float cosine = dot(points.normals[i], directions[i]);
+    clear += std::abs(cosine) > kLeastCosine;
+    away += cosine < -kLeastCosine;
   }
   return clear > 0 ? static_cast<double>(away) / static_cast<double>(clear) : 0;
 }

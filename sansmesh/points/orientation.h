@@ -6,7 +6,7 @@
 
 #include "sansmesh/cloud_options.h"
 #include "sansmesh/point_set.h"
-#include "sansmesh/points/sights.h"
+#include "sansmesh/points/sensor_directions.h"
 #include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {
@@ -47,7 +47,7 @@ OrientBy orient_normals(PointSet& points, const OrientationOptions& options, Pro
 OrientBy orient_normals(PointSet& points, const KdTree& tree, const OrientationOptions& options, Progress& progress);
 
 /// Share of normals facing away from the sensor, among those that clearly face it or clearly face away (more than 15°
-/// from perpendicular). `sights`: as find_sights. 0 if there are none.
-double share_looking_away(const PointSet& points, std::span<const Vec3f> sights);
+/// from perpendicular). `directions`: as find_sensor_directions. 0 if there are none.
+double share_facing_away(const PointSet& points, std::span<const Vec3f> directions);
 
 }  // namespace sansmesh::inline v1

@@ -27,7 +27,7 @@ namespace {
 /// Least number of samples for a local fit.
 constexpr std::size_t kFewest = 9;
 /// Largest share of given normals facing away from the sensor: noise at grazing angles.
-constexpr double kMostLookingAway = 0.1;
+constexpr double kMostFacingAway = 0.1;
 
 void clean(PointSet& points, std::vector<std::string>& warnings) {
   const std::size_t given = points.size();
@@ -102,9 +102,9 @@ FaceSides use_faces(PointSet& points, FaceUse faces, std::vector<std::string>& w
 bool look_at_sensors(PreparedCloud& cloud, Progress& progress) {
   PointSet& points = cloud.points;
   for (const OrientBy by : {OrientBy::scanner, OrientBy::rows, OrientBy::flight}) {
-    const std::vector<Vec3f> sights = find_sights(points, by);
-    if (sights.empty()) continue;
-    if (share_looking_away(points, sights) < kMostLookingAway) return true;
+    const std::vector<Vec3f> directions = find_sensor_directions(points, by);
+    if (directions.empty()) continue;
+    if (share_facing_away(points, directions) < kMostFacingAway) return true;
     OrientationOptions orientation;
     orientation.noise = cloud.noise;
     const std::vector<Vec3f> given = points.normals;

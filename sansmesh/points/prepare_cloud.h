@@ -9,7 +9,7 @@
 #include "sansmesh/local_frame.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/face_shape.h"
-#include "sansmesh/points/sights.h"
+#include "sansmesh/points/sensor_directions.h"
 #include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {

@@ -167,7 +167,7 @@ WholeSurface::WholeSurface(const TriangleMesh& mesh, const OrientedPoints& point
     border_edge_[corner / 3] |= static_cast<std::uint8_t>(1u << corner % 3);
     border_vertex_[e.a] = border_vertex_[e.b] = 1;
   }
-  for (std::size_t v = 0; v < border_vertex_.size(); ++v) border_vertex_[v] = border_vertex_[edges.place[v]];
+  for (std::size_t v = 0; v < border_vertex_.size(); ++v) border_vertex_[v] = border_vertex_[edges.representative[v]];
 }
 
 bool WholeSurface::closest(const Vec3& q, double reach, Foot& foot) const {

@@ -88,7 +88,7 @@ struct SmoothState {
     for (std::uint32_t k = 0; k < e.count; ++k) {
       const std::uint32_t corner = edges.corners[e.first + k];
       const Triangle& t = mesh.triangles[corner / 3];
-      sum += cotangent_at(x[edges.place[t[(corner + 2) % 3]]], x[e.a], x[e.b]);
+      sum += cotangent_at(x[edges.representative[t[(corner + 2) % 3]]], x[e.a], x[e.b]);
     }
     return sum;
   }
@@ -127,7 +127,7 @@ struct SmoothState {
     x.swap(moved);
   }
 
-  Vec3 at(std::size_t triangle, std::size_t k) const { return x[edges.place[mesh.triangles[triangle][k]]]; }
+  Vec3 at(std::size_t triangle, std::size_t k) const { return x[edges.representative[mesh.triangles[triangle][k]]]; }
 };
 
 double mean_length(const SmoothState& s) {
@@ -164,7 +164,7 @@ std::vector<Vec3> steps_of_planes(const SmoothState& s) {
     const Vec3 doubled = cross(s.at(i, 1) - s.at(i, 0), s.at(i, 2) - s.at(i, 0)), n = normalized(doubled);
     const double area = norm(doubled);
     for (const std::uint32_t corner : s.mesh.triangles[i]) {
-      Sums& v = sums[s.edges.place[corner]];
+      Sums& v = sums[s.edges.representative[corner]];
       v.a += n * (n.x * area), v.b += n * (n.y * area), v.c += n * (n.z * area);
       v.right += doubled;
       v.area += area;
@@ -209,7 +209,7 @@ void restore_volumes_once(SmoothState& s, const std::vector<Vec3>& before, bool 
   };
   for (Triangle t : s.mesh.triangles) {
     if (!has_valid_corners(s.mesh.vertices, t)) continue;
-    for (std::uint32_t& v : t) v = s.edges.place[v];
+    for (std::uint32_t& v : t) v = s.edges.representative[v];
     const std::uint32_t b = bodies.of[t[0]];
     const double there = volume(before, t);
     lost[b] += there - volume(s.x, t);
@@ -309,7 +309,7 @@ void filter_normals(SmoothState& s, const SmoothOptions& options, bool closed, S
   std::vector<Triangle> by_place(n);
   for (std::size_t i = 0; i < n; ++i)
     if (faces.area[i] > 0)
-      for (std::size_t k = 0; k < 3; ++k) by_place[i][k] = s.edges.place[s.mesh.triangles[i][k]];
+      for (std::size_t k = 0; k < 3; ++k) by_place[i][k] = s.edges.representative[s.mesh.triangles[i][k]];
   const VertexCorners corners(by_place, s.x.size());
   double apart = 0;
   std::size_t pairs = 0;
@@ -419,7 +419,8 @@ SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progr
     for (std::size_t v = 0; v < s.x.size(); ++v) joined.vertices[v] = Vec3f(s.x[v]);
     for (const Triangle& t : mesh.triangles)
       if (has_valid_corners(mesh.vertices, t))
-        joined.triangles.push_back({s.edges.place[t[0]], s.edges.place[t[1]], s.edges.place[t[2]]});
+        joined.triangles.push_back(
+            {s.edges.representative[t[0]], s.edges.representative[t[1]], s.edges.representative[t[2]]});
     std::erase_if(joined.triangles, [](const Triangle& t) { return !has_distinct_corners(t); });
     const MeshQuality q = measure_quality(joined);
     area = q.area;
@@ -442,7 +443,7 @@ SmoothReport smooth_mesh(TriangleMesh& mesh, const SmoothOptions& options, Progr
   if (report.vertices > 0) report.rms_move = std::sqrt(squares / static_cast<double>(report.vertices));
   report.volume_after = measure(report.area_after);
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-    if (s.used[s.edges.place[v]]) mesh.vertices[v] = Vec3f(s.x[s.edges.place[v]] + s.middle);
+    if (s.used[s.edges.representative[v]]) mesh.vertices[v] = Vec3f(s.x[s.edges.representative[v]] + s.middle);
   if (!mesh.normals.empty()) renew_normals(mesh);
   progress.finish();
   return report;

@@ -76,7 +76,7 @@ HoleFilling fill_one(const HoledMesh& m, const VertexCorners& corners, const std
   std::unordered_map<std::uint32_t, std::uint32_t> number;
   std::vector<double> scale(n);
   for (std::size_t i = 0; i < n; ++i) {
-    places[i] = m.edges.place[loop.vertices[i]];
+    places[i] = m.edges.representative[loop.vertices[i]];
     number.emplace(places[i], static_cast<std::uint32_t>(i));
     filling.x.push_back(Vec3(m.mesh.vertices[places[i]]) - base);
     scale[i] = edge_length[places[i]];
@@ -91,7 +91,7 @@ HoleFilling fill_one(const HoledMesh& m, const VertexCorners& corners, const std
       const std::uint32_t triangle = corners.corner[c] / 3;
       Triangle t = m.mesh.triangles[triangle];
       if (!has_valid_corners(m.mesh.vertices, t)) continue;
-      for (std::uint32_t& v : t) v = m.edges.place[v];
+      for (std::uint32_t& v : t) v = m.edges.representative[v];
       if (!has_distinct_corners(t)) continue;
       const std::uint32_t next = places[(i + 1) % n];
       for (std::size_t k = 0; k < 3; ++k)
@@ -137,7 +137,7 @@ std::vector<PlacePair> chords_of(const HoledMesh& m, const HoleLoop& loop, const
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
       if (a >= n || b >= n || (a + 1) % n == b || (b + 1) % n == a) continue;
-      const std::uint32_t p = m.edges.place[loop.vertices[a]], q = m.edges.place[loop.vertices[b]];
+      const std::uint32_t p = m.edges.representative[loop.vertices[a]], q = m.edges.representative[loop.vertices[b]];
       chords.emplace_back(std::min(p, q), std::max(p, q));
     }
   return chords;
@@ -225,7 +225,7 @@ std::size_t count_islands(const HoledMesh& m, const std::vector<Vec3f>& filled,
     const auto near = tree.nearest(Vec3f(m.box[p].center()));
     if (!near) continue;
     const HoleLoop& loop = found.loops[hole_of[near->index]];
-    if (m.piece[m.edges.place[loop.vertices[0]]] == p) continue;
+    if (m.piece[m.edges.representative[loop.vertices[0]]] == p) continue;
     count += std::sqrt(static_cast<double>(near->squared_distance)) < kIslandOverDiameter * loop.diameter;
   }
   return count;
@@ -271,8 +271,9 @@ FillReport fill_holes(TriangleMesh& mesh, const FillOptions& options, Progress& 
   const std::vector<HoleLoop>& loops = report.found.loops;
   std::vector<Triangle> by_place = before.triangles;
   for (Triangle& t : by_place)
-    t = has_valid_corners(before.vertices, t) ? Triangle{m.edges.place[t[0]], m.edges.place[t[1]], m.edges.place[t[2]]}
-                                              : Triangle{0, 0, 0};
+    t = has_valid_corners(before.vertices, t)
+            ? Triangle{m.edges.representative[t[0]], m.edges.representative[t[1]], m.edges.representative[t[2]]}
+            : Triangle{0, 0, 0};
   const VertexCorners corners(by_place, before.vertices.size());
   const std::vector<double> edge_length = mean_edge_lengths(m);
   progress.begin("fill", loops.size());

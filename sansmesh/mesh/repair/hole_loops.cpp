@@ -88,8 +88,8 @@ HoleLoops detail::find_loops(const HoledMesh& m) {
     const std::uint32_t corner = m.edges.corners[e.first];
     const Triangle& t = m.mesh.triangles[corner / 3];
     const std::uint32_t begin = t[corner % 3], end = t[(corner + 1) % 3];
-    const std::uint32_t beside = m.edges.place[t[(corner + 2) % 3]];
-    all.push_back({m.edges.place[end], m.edges.place[begin], end, beside, corner});
+    const std::uint32_t beside = m.edges.representative[t[(corner + 2) % 3]];
+    all.push_back({m.edges.representative[end], m.edges.representative[begin], end, beside, corner});
   }
   found.border_edges = all.size();
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> out;  // for lookup only

@@ -15,13 +15,13 @@ namespace sansmesh::inline v1 {
 PositionEdges edges_by_position(const TriangleMesh& mesh) {
   if (mesh.triangles.size() > kMostTriangles) throw DataError("the mesh has more triangles than can be counted");
   PositionEdges all;
-  all.place = first_equal_positions(mesh.vertices);
+  all.representative = first_equal_positions(mesh.vertices);
   std::vector<KeyIndex> keys;
   keys.reserve(3 * mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
     if (!has_valid_corners(mesh.vertices, mesh.triangles[i])) continue;
     Triangle t = mesh.triangles[i];
-    for (std::uint32_t& v : t) v = all.place[v];
+    for (std::uint32_t& v : t) v = all.representative[v];
     if (!has_distinct_corners(t)) continue;
     for (std::size_t k = 0; k < 3; ++k)
       keys.push_back({edge_key(t[k], t[(k + 1) % 3]), static_cast<unsigned>(3 * i + k)});

@@ -15,10 +15,10 @@ inline constexpr std::array kOrientationOrder{OrientBy::scanner, OrientBy::rows,
 
 /// Unit direction from each sample to the sensor, zero if unknown. Empty if the cloud has no such data, and for
 /// `automatic` and `propagation`. `up` is +z for any cloud.
-std::vector<Vec3f> find_sights(const PointSet& points, OrientBy by);
+std::vector<Vec3f> find_sensor_directions(const PointSet& points, OrientBy by);
 
 /// Same, but `up` only if the cloud is a height field. `noise` (length) as in `measure_height_field`.
-std::vector<Vec3f> find_own_sights(const PointSet& points, OrientBy by, double noise);
+std::vector<Vec3f> find_own_sensor_directions(const PointSet& points, OrientBy by, double noise);
 
 /// First source, in order of reliability, with known directions.
 OrientBy first_known_orientation(const PointSet& points, double noise);

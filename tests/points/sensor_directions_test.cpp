@@ -1,5 +1,5 @@
 // Directions to the sensor (flight lines, height fields, scanners, depth frames) and orientation of normals by them.
-#include "sansmesh/points/sights.h"
+#include "sansmesh/points/sensor_directions.h"
 
 #include <gtest/gtest.h>
 
@@ -302,8 +302,8 @@ TEST(Orientation, AScannerThatCannotHaveSeenTheCloudIsNotBelieved) {
   EXPECT_EQ(points.normals, truth);
   // If requested, the scanner decides anyway.
   orient_normals(points, {.by = OrientBy::scanner}, progress);
-  const std::vector<Vec3f> sights = find_sights(points, OrientBy::scanner);
-  EXPECT_LT(share_looking_away(points, sights), 0.15);
+  const std::vector<Vec3f> directions = find_sensor_directions(points, OrientBy::scanner);
+  EXPECT_LT(share_facing_away(points, directions), 0.15);
 }
 
 TEST(Orientation, GivenNormalsThatLookAwayFromTheirScannerAreTurned) {
@@ -346,7 +346,7 @@ TEST(Orientation, WhatIsAskedForDecides) {
   use.orient_by = OrientBy::up;
   const PreparedCloud up = prepare_cloud(points, use, progress);
   EXPECT_EQ(up.oriented_by, OrientBy::up);
-  EXPECT_LT(share_looking_away(up.points, find_sights(up.points, OrientBy::up)), 0.15);
+  EXPECT_LT(share_facing_away(up.points, find_sensor_directions(up.points, OrientBy::up)), 0.15);
   for (const OrientBy by : {OrientBy::scanner, OrientBy::rows, OrientBy::flight}) {
     use.orient_by = by;
     EXPECT_THROW(prepare_cloud(points, use, progress), DataError);
@@ -371,7 +371,7 @@ TEST(Orientation, BySightsDoesNotDependOnTheNumberOfThreads) {
 
 // Runs only if ../shared exists beside the checkout; the tests above cover the same code.
 TEST(ExtraOrientation, OfRealScansIsThatOfTheirSensors) {
-  SANSMESH_NOT_SANITIZED("judges accuracy on large scans; others orient by sights, too");
+  SANSMESH_NOT_SANITIZED("judges accuracy on large scans; others orient by sensor positions, too");
   struct Scan {
     const char* file;
     OrientBy by;
@@ -387,7 +387,7 @@ TEST(ExtraOrientation, OfRealScansIsThatOfTheirSensors) {
     Progress progress;
     estimate_normals(points, {}, progress);
     EXPECT_EQ(orient_normals(points, {}, progress), scan.by) << scan.file;
-    EXPECT_LT(share_looking_away(points, find_sights(points, scan.by)), scan.away) << scan.file;
+    EXPECT_LT(share_facing_away(points, find_sensor_directions(points, scan.by)), scan.away) << scan.file;
   }
 }
 
