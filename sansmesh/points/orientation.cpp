@@ -268,7 +268,7 @@ void judge_outwardness(const RelationGraph& graph, Parts& parts) {
   }
 }
 
-std::string unknown_sights(OrientBy asked) {
+std::string unknown_source(OrientBy asked) {
   switch (asked) {
     case OrientBy::scanner:
       return "has no scanner positions for orienting normals";
@@ -367,7 +367,7 @@ OrientBy choose_source(const PointSet& points, const RelationGraph& graph, Orien
   if (asked == OrientBy::propagation) return asked;
   if (asked != OrientBy::automatic) {
     const std::vector<Vec3f> found = find_sensor_directions(points, asked);
-    if (found.empty()) throw DataError(unknown_sights(asked));
+    if (found.empty()) throw DataError(unknown_source(asked));
     sensor = SensorCosines(graph, found, from_air(asked));
     return asked;
   }

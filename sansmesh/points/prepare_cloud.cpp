@@ -179,7 +179,7 @@ void prepare_normals(PreparedCloud& cloud, const CloudPreparation& use, Progress
 }
 
 /// Number of samples of all scans together for detecting misalignment, and least number per scan.
-constexpr std::size_t kTold = 1500, kFewestTold = 60;
+constexpr std::size_t kCheckedSamples = 1500, kFewestCheckedSamples = 60;
 
 std::string scan_called(const PointSet& points, std::size_t scan) {
   return scan < points.scan_names.size() ? points.scan_names[scan] : "scan " + std::to_string(scan + 1);
@@ -196,7 +196,8 @@ bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
   ScanAlignmentOptions options;
   if (!move) {
     const std::size_t scans = std::max(points.scan_names.size(), points.scanners.size());
-    options.samples = std::clamp(kTold / std::max<std::size_t>(scans, 1), kFewestTold, kTold / 2);
+    options.samples =
+        std::clamp(kCheckedSamples / std::max<std::size_t>(scans, 1), kFewestCheckedSamples, kCheckedSamples / 2);
     options.rounds = 5;
   }
   ScanAlignment found;

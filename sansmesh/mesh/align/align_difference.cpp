@@ -64,7 +64,7 @@ ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurfac
   for (const Local& local : locals)
     if (local.count > 0) scatters.push_back(local.scatter);
   if (scatters.empty()) return {};
-  const double told = static_cast<double>(scatters.size()), usual = median(scatters);
+  const double compared = static_cast<double>(scatters.size()), usual = median(scatters);
   std::vector<double> there;
   for (const Local& local : locals) {
     if (local.count == 0) continue;
@@ -72,7 +72,7 @@ ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurfac
                              std::sqrt(static_cast<double>(local.count));
     if (std::abs(local.middle) > std::max(least, kSurelyNoChance * deviation)) there.push_back(std::abs(local.middle));
   }
-  const double share = static_cast<double>(there.size()) / told;
+  const double share = static_cast<double>(there.size()) / compared;
   return {share, median(there)};
 }
 

@@ -66,7 +66,7 @@ double distance_of_most(const OrientedPoints& moving, const Surface& fixed, cons
 /// Moves the pose; returns the rms motion of the pairs without undetermined motions, since sliding along the surface
 /// does not reduce distances.
 double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, Similarity& pose,
-                     std::vector<double>& told) {
+                     std::vector<double>& determined) {
   const Eigen::Index unknowns = scale ? 7 : 6;
   Vec3 center;
   double count = 0, weights = 0;
@@ -105,7 +105,7 @@ double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, S
       mass.topLeftCorner(unknowns, unknowns) + 1e-9 * Eigen::MatrixXd::Identity(unknowns, unknowns);
   Eigen::MatrixXd whole = a.topLeftCorner(unknowns, unknowns);
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(whole, m);
-  told.assign(eigen.eigenvalues().data(), eigen.eigenvalues().data() + unknowns);
+  determined.assign(eigen.eigenvalues().data(), eigen.eigenvalues().data() + unknowns);
   whole += kFitDamping * m;
   const Eigen::VectorXd x = whole.ldlt().solve(b.head(unknowns));
   if (!x.allFinite()) return 0;
@@ -116,7 +116,7 @@ double take_fit_step(const std::vector<Pair>& pairs, double reach, bool scale, S
   const Eigen::VectorXd motions = eigen.eigenvectors().transpose() * (m * x);
   double squares = 0;
   for (Eigen::Index k = 0; k < unknowns; ++k)
-    if (eigen.eigenvalues()[k] >= kToldShare) squares += motions[k] * motions[k];
+    if (eigen.eigenvalues()[k] >= kDeterminedShare) squares += motions[k] * motions[k];
   return std::sqrt(squares);
 }
 
@@ -148,7 +148,7 @@ FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Sim
     // Adapts the width to the distances in both directions.
     const double middle = median(distances);
     const double wanted = std::max(options.least_reach, kReachOverMedian * middle);
-    const double step = take_fit_step(pairs, reach, options.scale, result.pose, result.told);
+    const double step = take_fit_step(pairs, reach, options.scale, result.pose, result.determined);
     ++result.iterations;
     const bool narrow = reach <= 1.02 * wanted || reach <= options.least_reach;
     reach = std::max({std::min(reach, wanted), options.least_reach, kFastestNarrowing * reach});

@@ -22,14 +22,14 @@ struct FitOptions {
 };
 
 /// Motions that change the distances by less than this share are undetermined.
-constexpr double kToldShare = 3e-4;
+constexpr double kDeterminedShare = 3e-4;
 
 struct FitResult {
   Similarity pose;
   int iterations = 0;
   double reach = 0;  ///< final largest distance
   /// Share of each independent motion that the distances determine, ascending; of the last step.
-  std::vector<double> told;
+  std::vector<double> determined;
 };
 
 /// Whether two normals match: less than 60° apart, or opposite unless `signs`. Unknown normals match.

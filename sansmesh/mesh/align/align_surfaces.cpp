@@ -251,7 +251,7 @@ class SurfaceFit {
     double moved = 0;
     for (const Vec3& p : few_.x) moved += squared_norm(pose(p) - start_(p));
     result.moved = std::sqrt(moved / static_cast<double>(std::max<std::size_t>(few_.size(), 1))) * size;
-    for (const double t : best_->told) result.free_motions += t < detail::kToldShare;
+    for (const double t : best_->determined) result.free_motions += t < detail::kDeterminedShare;
     result.found = result.overlap >= kLeastOverlap && best_->reach <= kWidestReach;
     result.size_ratio = moving_frame_.unit / size;
   }
