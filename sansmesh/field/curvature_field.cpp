@@ -33,7 +33,7 @@ void principal_curvatures(const Vec3 (&hessian)[3], LevelSetPoint& p) {
 
 }  // namespace
 
-SurfaceBend principal_bend(float xx, float xy, float yy, const Vec3f& x_axis, const Vec3f& y_axis) {
+SurfaceCurvature principal_curvatures_of(float xx, float xy, float yy, const Vec3f& x_axis, const Vec3f& y_axis) {
   const float mean = 0.5f * (xx + yy), half = 0.5f * (xx - yy), spread = std::hypot(half, xy);
   const float angle = 0.5f * std::atan2(xy, half), c = std::cos(angle), s = std::sin(angle);
   return {mean + spread, mean - spread, c * x_axis + s * y_axis, c * y_axis - s * x_axis, true};
@@ -44,7 +44,7 @@ FieldCurvature::FieldCurvature(const ScalarField& field, double step) : field_(f
 }
 
 void FieldCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
-                              std::span<SurfaceBend> bends) const {
+                              std::span<SurfaceCurvature> bends) const {
   if (x.size() != normals.size() || x.size() != bends.size())
     throw ArgumentError("FieldCurvature::evaluate: as many normals and results as points are needed");
   parallel_ranges(0, x.size(), kBendBatch, [&](std::size_t first, std::size_t last) {
@@ -74,9 +74,9 @@ void FieldCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> no
       const double side = dot(sum, Vec3(normals[first + i])) < 0 ? -0.5 / step_ : 0.5 / step_;
       const Vec3 along = (unit[0] - unit[1]) * side, across = (unit[2] - unit[3]) * side;
       bends[first + i] =
-          principal_bend(static_cast<float>(dot(along, axes[i][0])),
-                         static_cast<float>(0.5 * (dot(along, axes[i][1]) + dot(across, axes[i][0]))),
-                         static_cast<float>(dot(across, axes[i][1])), Vec3f(axes[i][0]), Vec3f(axes[i][1]));
+          principal_curvatures_of(static_cast<float>(dot(along, axes[i][0])),
+                                  static_cast<float>(0.5 * (dot(along, axes[i][1]) + dot(across, axes[i][0]))),
+                                  static_cast<float>(dot(across, axes[i][1])), Vec3f(axes[i][0]), Vec3f(axes[i][1]));
     }
   });
 }
