@@ -67,7 +67,7 @@ class WorkerLimit {
 /// State of a thread within the library's loops.
 struct Place {
   ThreadScope::Team* team = nullptr;  // scope of the loops; null: the current arena
-  bool inside = false;                // in a loop body, hence already in the arena
+  bool inside = false;                // in a loop body: already in the arena
   bool branch = false;                // in a branch of parallel_invoke
 };
 thread_local Place place;

@@ -44,8 +44,8 @@ FieldCurvature::FieldCurvature(const ScalarField& field, double step) : field_(f
 }
 
 void FieldCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
-                              std::span<SurfaceCurvature> bends) const {
-  if (x.size() != normals.size() || x.size() != bends.size())
+                              std::span<SurfaceCurvature> curvatures) const {
+  if (x.size() != normals.size() || x.size() != curvatures.size())
     throw ArgumentError("FieldCurvature::evaluate: as many normals and results as points are needed");
   parallel_ranges(0, x.size(), kBendBatch, [&](std::size_t first, std::size_t last) {
     const std::size_t n = last - first;
@@ -62,7 +62,7 @@ void FieldCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> no
     }
     field_.evaluate_in_domain(at, values, gradients, inside);
     for (std::size_t i = 0; i < n; ++i) {
-      bends[first + i] = {};
+      curvatures[first + i] = {};
       std::array<Vec3, 4> unit;
       bool known = true;
       for (std::size_t k = 0; k < 4; ++k) {
@@ -73,7 +73,7 @@ void FieldCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> no
       const Vec3 sum = unit[0] + unit[1] + unit[2] + unit[3];
       const double side = dot(sum, Vec3(normals[first + i])) < 0 ? -0.5 / step_ : 0.5 / step_;
       const Vec3 along = (unit[0] - unit[1]) * side, across = (unit[2] - unit[3]) * side;
-      bends[first + i] =
+      curvatures[first + i] =
           principal_curvatures_of(static_cast<float>(dot(along, axes[i][0])),
                                   static_cast<float>(0.5 * (dot(along, axes[i][1]) + dot(across, axes[i][0]))),
                                   static_cast<float>(dot(across, axes[i][1])), Vec3f(axes[i][0]), Vec3f(axes[i][1]));

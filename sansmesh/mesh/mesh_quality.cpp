@@ -1,5 +1,4 @@
 #include "sansmesh/mesh/mesh_quality.h"
-#include "sansmesh/mesh_measures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/mesh/mesh_size.h"
+#include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {
 namespace {

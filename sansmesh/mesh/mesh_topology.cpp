@@ -1,4 +1,3 @@
-#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh_measures.h"
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/vertex_corners.h"
 
 namespace sansmesh::inline v1 {

@@ -12,7 +12,7 @@
 namespace sansmesh::inline v1 {
 
 /// Index of the representative of each point: itself, or the first representative within `distance` (length, >= 0).
-/// Hence no two representatives are that close, and no point moves farther. Non-finite points represent themselves.
+/// No two representatives are that close, and no point moves farther. Non-finite points represent themselves.
 std::vector<std::uint32_t> close_representatives(std::span<const Vec3f> positions, double distance);
 
 /// Connected components of a cloud.

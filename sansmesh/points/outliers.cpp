@@ -214,7 +214,7 @@ class OutlierSearch {
   NoiseEstimate measured_;
   float beside_steps_ = 0;                 ///< distance of samples that quantised coordinates do not separate
   std::vector<std::uint32_t> neighbours_;  ///< kFound per sample
-  std::vector<float> spacing_, around_;    ///< of each sample, and typical one of its neighbours
+  std::vector<float> spacing_, around_;    ///< own value of each sample, and the typical one of its neighbours
   std::vector<std::uint32_t> cluster_, members_;
   std::vector<std::uint8_t> isolated_, scattered_, off_;
 };

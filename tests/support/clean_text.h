@@ -1,4 +1,4 @@
-// Whether a message is printable on one line of a terminal; implemented independently of the library.
+// Test of whether a message is printable on one line of a terminal; independent of the library.
 #pragma once
 
 #include <cstddef>

@@ -13,8 +13,8 @@ namespace {
 /// Least number of offsets for a meaningful median.
 constexpr std::size_t kFewestNeighbours = 5;
 constexpr std::size_t kMostNeighbours = 64;
-/// Significance threshold in standard deviations of a median, and deviation of medians over that of the values, both
-/// for n values relative to √n.
+/// Significance threshold in standard deviations of a median; √n times the standard deviation of a median of n values
+/// over that of the values.
 constexpr double kSurelyNoChance = 4, kDeviationOfMedians = 1.2533;
 
 }  // namespace

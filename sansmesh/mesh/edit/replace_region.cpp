@@ -203,11 +203,11 @@ class RegionExchange {
   TriangleMesh& mesh_;
   const TriangleMesh& patch_;
   const std::vector<Box3f>& changed_;
-  std::vector<std::uint8_t> mesh_in_, patch_in_;  ///< of each vertex: in the sound region
+  std::vector<std::uint8_t> mesh_in_, patch_in_;  ///< whether each vertex is in the sound region
   std::vector<std::uint32_t> same_;               ///< vertex of the mesh for each vertex of the patch
   std::vector<Single> singles_;
-  UnionFind pieces_;                            ///< of singles
-  std::vector<std::uint8_t> wanted_, spoiled_;  ///< of each piece, by its representative
+  UnionFind pieces_;                            ///< groups of singles
+  std::vector<std::uint8_t> wanted_, spoiled_;  ///< per piece, by its representative
 };
 
 }  // namespace

@@ -10,9 +10,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kNearlyLongest = 0.6;  // of the longest squared edge; shorter edges stay, to avoid flat triangles
-constexpr double kFlatTurn = 1e-9;      // relative to squared lengths: flatter corners count as straight
-constexpr int kMostHalvings = 100;      // limit of rounds, against endless bisection by rounding
+constexpr double kNearlyLongest =
+    0.6;                            // relative to the longest squared edge; shorter edges stay, to avoid flat triangles
+constexpr double kFlatTurn = 1e-9;  // relative to squared lengths: flatter corners count as straight
+constexpr int kMostHalvings = 100;  // limit of rounds, against endless bisection by rounding
 
 using Flat = std::array<double, 2>;
 using Ring = std::vector<std::uint32_t>;

@@ -16,7 +16,7 @@ struct PositionEdges {
     std::uint32_t a = 0, b = 0;          ///< representatives, a < b
     std::uint32_t first = 0, count = 0;  ///< corners[first .. first + count]
   };
-  std::vector<std::uint32_t> representative;  ///< of each vertex: the first one at its position
+  std::vector<std::uint32_t> representative;  ///< for each vertex, the first one at its position
   std::vector<Edge> edges;                    ///< ordered by a, then b
   /// Corners 3·triangle + k whose edge leads to the next corner of the triangle, grouped by edge, in ascending order.
   /// Skips triangles with a corner that is repeated, not finite or nonexistent.
