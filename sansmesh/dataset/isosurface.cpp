@@ -150,7 +150,7 @@ Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_
   field_->evaluate(some, {{}, gradients});
   std::vector<double> slopes;
   for (const Vec3& g : gradients)
-    if (const double slope = long_norm(g); slope > 0) slopes.push_back(slope);
+    if (const double slope = safe_norm(g); slope > 0) slopes.push_back(slope);
   if (slopes.empty()) return;
   const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
   std::nth_element(slopes.begin(), middle, slopes.end());

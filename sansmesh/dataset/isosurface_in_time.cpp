@@ -61,7 +61,7 @@ IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double val
     std::vector<Vec3> gradients(some.size());
     step.field->evaluate(some, {{}, gradients});
     for (const Vec3& g : gradients)
-      if (const double slope = long_norm(g); slope > 0) slopes.push_back(slope);
+      if (const double slope = safe_norm(g); slope > 0) slopes.push_back(slope);
   }
   if (!occurs)
     throw DataError(

@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -20,10 +21,6 @@ double longest_edge(const Tet& t, std::span<const Vec3> x) {
   double longest = 0;
   for (const auto& e : kTetEdges) longest = std::max(longest, norm(x[t[e[1]]] - x[t[e[0]]]));
   return longest;
-}
-
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
 }
 
 /// The eight tetrahedra of one, of its corners 0..3 and the middles 4..9 of its edges; `diagonal` names two opposite

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -20,11 +21,6 @@ constexpr std::uint32_t kNothing = ~std::uint32_t{0};
 constexpr double kLeastPartAtRim = 1.0 / 8;
 /// Rows are at least so many of the steps between numbers apart, or some would be released at the same moment.
 constexpr double kLeastSpacing = 4;
-
-/// An unordered pair of nodes.
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
-}
 
 class ReleasedSheet {
  public:

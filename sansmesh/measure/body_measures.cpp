@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/measure/component_overlap.h"
 #include "sansmesh/mesh/mesh_size.h"
@@ -87,7 +88,7 @@ void count_edges(const TriangleMesh& mesh, const std::vector<std::uint32_t>& com
     const Triangle& t = mesh.triangles[i];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      edges[3 * i + k] = {std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), static_cast<unsigned>(3 * i + k)};
+      edges[3 * i + k] = {edge_key(a, b), static_cast<unsigned>(3 * i + k)};
     }
   });
   parallel_sort(edges);
@@ -194,7 +195,7 @@ constexpr ReportRow kBodyMeasuresRows[] = {
     reported<&BodyMeasures::closed>({.text = "Whether the triangles enclose a volume"}),
     reported<&BodyMeasures::boundary_edges>({.text = "Edges of one triangle"}),
     reported<&BodyMeasures::open_edges>(
-        {.text = "Edges that more triangles run through in one direction than in the other"}),
+        {.text = "Edges that triangles traverse more often in one direction than in the other"}),
     reported<&BodyMeasures::nonmanifold_edges>({.text = "Edges of three triangles or more"}),
     reported<&BodyMeasures::area>({.text = "Area", .unit = "length²"}),
     reported<&BodyMeasures::surface_center>({.text = "Mean of the surface's points", .unit = "length"}),

@@ -14,18 +14,18 @@ namespace {
 
 constexpr std::size_t kChunk = 65536;
 
-/// Of the length of a cloud, from where on there is nothing between its parts.
+/// Least gap between parts, relative to the length of the cloud.
 constexpr double kEmptyShare = 0.3;
 
 struct CloudSpan {
   CloudShape shape = CloudShape::empty;
   Vec3 center;
-  double diagonal = 0;  ///< of the box
-  Vec3 longest;         ///< principal axis; zero of points
+  double diagonal = 0;  ///< diagonal of the box
+  Vec3 longest;         ///< principal axis; zero for a single point
 };
 
 CloudSpan span_of(const PointSet& points) {
-  // Offsets from the middle of the box in double: no cancellation even far from the origin.
+  // Offsets from the centre of the box in double avoid cancellation far from the origin.
   Box3f box;
   std::size_t finite = 0;
   for (const Vec3f& p : points.positions)
