@@ -15,8 +15,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Width over the spacing beyond that of implicit functions: the polynomials need about a dozen samples. The curvature
-/// fit has four unknowns, not six: without noise it is as exact as the others on fewer samples.
+/// Increment of the width over the spacing relative to implicit functions: the polynomials need about a dozen samples.
+/// The curvature fit has four unknowns, not six: without noise it is as exact as the others on fewer samples.
 constexpr double kMore = 0.1, kFewer = 0.2, kMostSmoothing = 5;
 /// The same for the polynomials of 3, 6, 10 and 15 unknowns.
 constexpr double kMoreOfDegree[] = {0, 0, kMore, 0.3, 0.5};
