@@ -46,8 +46,8 @@ struct MpuTree {
   std::size_t leaf_at(const Vec3& x) const;
 };
 
-/// Fits it ([ohtake2003], section 3 and 4). Finite positions with unit normals, in an order that keeps neighbours
-/// together. `error`: accepted (length). Throws DataError where there are no samples, or all coincide.
+/// Fits the tree (ohtake2003, sections 3 and 4). Finite positions with unit normals, in an order that keeps neighbours
+/// together. `error`: accepted error (length). Throws DataError for no samples, or if all coincide.
 MpuTree fit_mpu_tree(std::span<const Vec3f> positions, std::span<const Vec3f> normals, double error, int max_depth,
                      bool sharp, Progress& progress);
 

@@ -38,7 +38,7 @@ void sum_up(PartitionData& data) {
     report.depth = std::max<int>(report.depth, data.supports[i].level);
     report.creased += data.supports[i].creased;
     ++report.functions_of_degree[static_cast<std::size_t>(data.functions[i].degree)];
-    // Summed as the far field does it, in the precision of its patches.
+    // Summed like the far field, in the precision of its patches.
     const float area = norm(data.functions[i].nu * data.supports[i].area);
     report.area += area;
     if (data.supports[i].open) report.open_area += area;
