@@ -36,7 +36,7 @@ Solid make_plane(const Arguments& a) {
   return csg::half_space(normal, dot(a.vector("through"), normalized(normal)));
 }
 
-/// Blends depend a little on the order: the first two, then the third with the result, and so on.
+/// Blends depend slightly on the order: the first two are combined first, then the third with the result, and so on.
 Solid combined(const Arguments& a, Solid (*pair)(const Solid&, const Solid&, double)) {
   const double r = a.number("r", 0);
   Solid result = a.solids[0];

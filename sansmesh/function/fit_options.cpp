@@ -23,7 +23,7 @@ struct NamedCoverage {
 constexpr NamedCoverage kCoverages[] = {{"thesis", kThesisCoverage}, {"paper", kPaperCoverage}, {"none", kNoCoverage}};
 constexpr std::string_view kCoverageWords[] = {"thesis", "paper", "none"};
 
-/// Shares that samples have to cover: a word, or three numbers with commas between them.
+/// Least coverage by samples: a word, or three comma-separated numbers.
 struct CoverageWords {
   static constexpr auto kind = OptionKind::text;
   static OptionValue get(const PaperCoverage& coverage) {

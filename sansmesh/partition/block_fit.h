@@ -54,7 +54,7 @@ constexpr float kShift = 1.3f;
 /// Weight of a sample in a fit. t: squared distance from the centre of the ball over the squared radius, below 1.
 inline float smooth_weight(float t) { return (1 - t) * (1 - t); }
 
-/// Indices of the samples in a ball (of every stride-th), from the given cells of a level.
+/// Collects the samples in a ball (every stride-th) from the given cells of a level.
 void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
             std::vector<std::uint32_t>& ids, std::size_t stride = 1);
 

@@ -15,10 +15,11 @@ namespace sansmesh::inline v1 {
 /// 0.65 for terrain and depth frames.
 constexpr double kClosedBehind = 0.87;
 
-/// Marks the supports of the sheets that bound no solid (Support::open) and fills in what the report says of them: all,
-/// none, or where `open` is not given those behind whose samples the winding number is small, be it of the sheet alone
-/// or together with others that are closed. Sheets that are small against the largest one, or that few samples stand
-/// for, follow the bulk of the others: they say little by themselves. `samples`: along the Morton curve.
+/// Marks the supports of the sheets that bound no solid (Support::open) and fills in their part of the report. With
+/// `open` given, all sheets or none; otherwise those behind whose samples the winding number is small, both of the
+/// sheet alone and together with the other closed sheets. Sheets that are small against the largest one, or that few
+/// samples represent, are not judged alone but follow the majority of the others. `samples`: in the order of the Morton
+/// curve.
 void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, PartitionData& data);
 
 }  // namespace sansmesh::inline v1

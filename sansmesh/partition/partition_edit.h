@@ -41,9 +41,9 @@ Selection select_supports(const PartitionData& data, const SupportQuery& query);
 EditResult set_degree(const PartitionData& data, const Selection& chosen, int degree, const EditSamples& samples,
                       Progress& progress);
 
-/// Fits anew below the largest blocks that the selection fills, with other options; noise and accepted error stay those
-/// of the whole fit unless `options.error` says otherwise. Supports of other sizes may take the place of the chosen
-/// ones. Throws DataError without samples, ArgumentError for bad options.
+/// Fits again below the largest blocks that the selection fills, with other options. Noise and accepted error are those
+/// of the whole fit unless `options.error` is set. The new supports may have other sizes. Throws DataError without
+/// samples, ArgumentError for invalid options.
 EditResult refit(const PartitionData& data, const Selection& chosen, const PartitionOptions& options,
                  const EditSamples& samples, Progress& progress);
 

@@ -26,8 +26,8 @@ constexpr double kOpenFarSlope = 10;
 
 /// Balls that more supports than this reach are too large for useful bounds.
 constexpr std::size_t kMostSupports = 400;
-/// Evaluation is done in single precision: shares of the cube's edge and of the distance from the origin by which
-/// balls, and of the largest radius and of the values by which ranges are widened for that.
+/// Evaluation is in single precision. Balls are widened by these shares of the cube's edge and of the distance from the
+/// origin, ranges by this share of the largest radius and of the values.
 constexpr double kRoundedPlace = 1e-6, kRoundedFar = 0x1p-22, kRoundedValue = 4e-6;
 
 /// Smallest ball around the intersection of the balls around `a` and `b`, and the range of distances from `a` in it.

@@ -17,8 +17,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// What samples at random and noise over spacing add to the width: without the former, single samples next to gaps
-/// decide, and the surface grows fins beyond edges.
+/// Increments of the width for random samples and for noise over spacing. Without the former, single samples next to
+/// gaps dominate, and the surface grows fins beyond edges.
 constexpr double kUneven = 0.45, kSpheresUneven = 0.35, kNoisy = 2;
 /// Widths of dey2005 are this share of the feature size, and at most kMostWidth times the least width.
 constexpr double kMostWidth = 2, kFeatureShare = 0.35;

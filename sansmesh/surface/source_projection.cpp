@@ -14,8 +14,8 @@ constexpr int kIteratedSteps = 6;  // steps to Levin's plane, as in the kernels
 constexpr int kMostUnknowns = 15;  // degree 4
 /// A pivot below this share of its diagonal marks an unknown that the samples do not determine.
 constexpr double kDetermined = 1e-9;
-/// Diffusion: Δt = 1; for the hard function so many such steps, then ever shorter ones: where it jumps across the place
-/// of rest there is none, and they close in on the jump.
+/// Diffusion: Δt = 1. The hard function takes kFullSteps such steps, then ever shorter ones: if it jumps across the
+/// rest position there is none, and the steps converge to the jump.
 constexpr int kFullSteps = 24, kMostDiffusion = 1000;
 constexpr double kAtRestOfWidth = 1e-7;
 

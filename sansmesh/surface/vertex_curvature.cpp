@@ -82,7 +82,7 @@ struct PlaceGraph {
   }
 };
 
-/// The rings around one vertex after another.
+/// Computes the rings around one vertex after another.
 class RingWalk {
  public:
   explicit RingWalk(const PlaceGraph& graph) : graph_(graph), seen_(graph.place.size(), 0) {}

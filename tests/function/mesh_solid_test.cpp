@@ -1,4 +1,4 @@
-// Meshes as parts of solids: exact faces, exact creases, rounded offsets, and a word about what is no solid.
+// Meshes as parts of solids: exact faces, exact creases, rounded offsets, and warnings about meshes that are no solid.
 #include "sansmesh/function/mesh_solid.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ TEST(MeshSolid, FlatFacesComeBackExactly) {
   for (const TriangleMesh& shape : {test::icosahedron(), test::swept_profile()}) {
     const Cut m = meshed(solid_of(shape), 40);
     EXPECT_LT(off(m.mesh, shape, 0), 1e-5);
-    // The other way round: its corners are there.
+    // The converse: its corners are present.
     EXPECT_LT(off(shape, m.mesh, 0), 1e-5);
   }
 }
@@ -125,7 +125,7 @@ TEST(MeshSolid, SaysWhatIsNoSolid) {
 }
 
 TEST(MeshSolid, SaysThatFacesCross) {
-  // The tips of two bodies of one mesh go through each other.
+  // The tips of two bodies of one mesh intersect.
   const TriangleMesh ball = test::octasphere(5);
   std::vector<std::string> warnings;
   mesh_solid(test::joined(ball, ball, {1.98f, 0.013f, 0.007f}), false, warnings);

@@ -62,7 +62,7 @@ inline std::vector<LocalFunction> pieces(const PartitionData& data, std::size_t 
 inline bool same_support(const PartitionData& a, std::size_t i, const PartitionData& b, std::size_t j) {
   const std::vector<LocalFunction> p = pieces(a, i), q = pieces(b, j);
   return p.size() == q.size() && std::memcmp(p.data(), q.data(), p.size() * sizeof(LocalFunction)) == 0 &&
-         // The same bits are meant, not equal numbers. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
+         // Bitwise comparison, not numeric equality. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
          std::memcmp(&a.supports[i], &b.supports[j], sizeof(Support)) == 0;
 }
 
