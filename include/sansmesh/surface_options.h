@@ -229,9 +229,8 @@ struct SANSMESH_API SurfaceProjection {
 
 /// Report on a meshless surface.
 struct SANSMESH_API SurfaceReport {
-  std::string method;  ///< name of the method
-  double spacing = 0,
-         noise = 0;  ///< of the samples: mean distance of neighbours, standard deviation (length, unit of the input)
+  std::string method;             ///< name of the method
+  double spacing = 0, noise = 0;  ///< spacing and noise of the samples (length, unit of the input)
   double smoothing = 0;           ///< median width over the local spacing; 0 where the method has no weights
   int order = 0, iterations = 0;  ///< amls only
   std::size_t samples = 0;        ///< number of samples

@@ -47,7 +47,7 @@ void ApproximateMls<D>::evaluate(std::span<const Position<D>> x, std::span<doubl
                                  std::span<double> gradients) const {
   const std::size_t c = components_;
   if (values.size() != x.size() * c || !(gradients.empty() || gradients.size() == x.size() * c * D))
-    throw ArgumentError("approximation: room for the values and gradients of all points is needed");
+    throw ArgumentError("approximation: the sizes of values and gradients must match the number of points");
   const bool partition = options_.normalisation == Normalisation::kPartition;
   parallel_ranges(0, x.size(), 64, [&](std::size_t first, std::size_t last) {
     std::vector<typename SampleIndex<D>::Hit> hits;

@@ -126,7 +126,8 @@ ApproximateMlsChoice choose_shape_and_iterations(std::span<const Position<D>> po
   detail::check_options(options, positions.size(), values);
   if (search.shapes.empty() || search.max_iterations < 0 || search.left_out == 0 || search.max_samples < 100)
     throw ArgumentError(
-        "approximation: the search needs shapes, iterations >= 0, samples to leave out and at least 100 samples");
+        "approximation: the search needs shapes, iterations >= 0, a number of samples to leave out and at least 100 "
+        "samples");
   const SampleIndex<D> all(positions);
   const std::size_t c = values.size() / positions.size();
   const double spacing = options.spacing ? *options.spacing : all.spacing();

@@ -149,7 +149,7 @@ void MovingLeastSquares<D>::evaluate(std::span<const Position<D>> x, std::span<d
                                      std::span<Position<D>> gradients, std::span<std::int8_t> degrees) const {
   if (values.size() != x.size() || !(gradients.empty() || gradients.size() == x.size()) ||
       !(degrees.empty() || degrees.size() == x.size()))
-    throw ArgumentError("approximation: room for the values, gradients and degrees of all points is needed");
+    throw ArgumentError("approximation: the sizes of values, gradients and degrees must match the number of points");
   parallel_ranges(0, x.size(), 64, [&](std::size_t first, std::size_t last) {
     Scratch scratch(options_.rank_tolerance);
     for (std::size_t i = first; i < last; ++i) {

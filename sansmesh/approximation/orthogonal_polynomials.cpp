@@ -247,8 +247,9 @@ template <int D>
 void OrthogonalFit<D>::monomial_coefficients(std::span<const double> orthogonal, std::span<double> coefficients) const {
   const std::size_t n = orthogonal.size();
   if (n > static_cast<std::size_t>(size_))
-    throw ArgumentError("approximation: there are no more than size() polynomials");
-  if (coefficients.size() < n) throw ArgumentError("approximation: room for all monomial coefficients is needed");
+    throw ArgumentError("approximation: there must be at most size() polynomials");
+  if (coefficients.size() < n)
+    throw ArgumentError("approximation: there must be at least size() monomial coefficients");
   std::fill(coefficients.begin(), coefficients.end(), 0.0);
   // Row j holds ψ_j in monomials, entries 0 .. j: a triangle.
   thread_local std::vector<double> rows;

@@ -198,7 +198,7 @@ template <int D>
 void RbfInterpolant<D>::evaluate(std::span<const Position<D>> x, std::span<double> values,
                                  std::span<Position<D>> gradients) const {
   if (values.size() != x.size() || !(gradients.empty() || gradients.size() == x.size()))
-    throw ArgumentError("approximation: room for the values and gradients of all points is needed");
+    throw ArgumentError("approximation: the sizes of values and gradients must match the number of points");
   const State& state = *state_;
   const bool local = report_.solver == RbfSolver::kLocal, compact = !local && state.kernel.is_compact();
   parallel_ranges(0, x.size(), 16, [&](std::size_t first, std::size_t last) {

@@ -247,7 +247,7 @@ struct Frustum : SmoothShape {
   static constexpr bool kOneWay = true;
   Vec3 center, axis;
   double bottom = 0, top = 0, half_height = 0;
-  double slope = 0, cosine = 1;  ///< of the side: radius per height, and cosine of its angle to the axis
+  double slope = 0, cosine = 1;  ///< slope of the side (radius per height), and cosine of its angle to the axis
 
   std::uint32_t pieces() const { return 3; }
   std::uint32_t largest_of(double) const { return 3; }

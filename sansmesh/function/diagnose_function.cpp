@@ -344,20 +344,20 @@ std::array<std::uint8_t, 3> suspicion_color(Suspicion kind) { return kColors[sta
 const OptionSchema& DiagnoseOptions::schema() {
   using O = DiagnoseOptions;
   static constexpr OptionRow rows[] = {
-      option<&O::coverage_below>({.text = "Fits are suspicious if samples cover less than this share of them",
+      option<&O::coverage_below>({.text = "Supports are suspicious if samples cover less than this share of them",
                                   .unit = "share",
                                   .range = {0, 1},
                                   .old_name = "coverage"}),
-      option<&O::error_above>({.text = "Fits are suspicious if their samples lie farther off than this (rms)",
+      option<&O::error_above>({.text = "Supports are suspicious if the rms distance of their samples exceeds this",
                                .unit = "length",
                                .from_data = "from data",
                                .range = positive(),
                                .old_name = "error"}),
-      option<&O::gradient_above>({.text = "Fits are suspicious if the gradient is longer than this, > 1",
+      option<&O::gradient_above>({.text = "Supports are suspicious if the gradient is longer than this, > 1",
                                   .unit = "norm",
                                   .range = {.least = 1, .above = true},
                                   .old_name = "gradient"}),
-      option<&O::places>({.text = "Report at most this many places of each kind", .range = at_least(0)})};
+      option<&O::places>({.text = "Largest number of reported places of each kind", .range = at_least(0)})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }

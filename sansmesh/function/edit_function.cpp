@@ -52,7 +52,7 @@ std::optional<std::vector<std::uint8_t>> on_sheets(const FittedFunction& functio
   const PartitionData& data = function.field.data();
   const Sheets sheets = find_sheets(data, function.samples->positions);
   if (s.spurious_sheets && function.samples->size() == 0)
-    throw DataError("its samples were not kept: no sheet can be told to be spurious");
+    throw DataError("its samples were not kept: spurious sheets cannot be detected");
   const std::uint32_t wanted =
       s.sheet_at ? nearest_sheet(data, sheets, Vec3f(function.place.from_input(*s.sheet_at) - data.origin))
                  : Sheets::kNone;
@@ -132,7 +132,7 @@ FunctionEditor::FunctionEditor(FittedFunction function) : function_(std::move(fu
 EditReport FunctionEditor::undo(int steps) {
   if (steps < 1) throw ArgumentError("undo: at least 1 step");
   if (static_cast<std::size_t>(steps) > before_.size())
-    throw ArgumentError(fmt::format("undo: there are {} edits to take back, not {}", before_.size(), steps));
+    throw ArgumentError(fmt::format("undo: there are {} edits to undo, not {}", before_.size(), steps));
   Before& then = before_[before_.size() - static_cast<std::size_t>(steps)];
   EditReport report;
   report.regions = changed_;
@@ -211,12 +211,12 @@ EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
 namespace {
 
 constexpr ReportRow kEditReportRows[] = {
-    reported<&EditReport::what>({.text = "One line on what was done"}),
+    reported<&EditReport::what>({.text = "The edit as one line of text"}),
     reported<&EditReport::chosen>({.name = "selected", .text = "Supports that were selected"}),
-    reported<&EditReport::supports>({.text = "Supports that stand in their place"}),
+    reported<&EditReport::supports>({.text = "Supports that replaced them"}),
     reported<&EditReport::changed>(
         {.text = "Corners of the box in which the function may have changed", .unit = "length"}),
-    reported<&EditReport::regions>({.name = "boxes", .text = "Boxes that hold all of that, more closely"})};
+    reported<&EditReport::regions>({.name = "boxes", .text = "Boxes whose union contains the change"})};
 
 }  // namespace
 

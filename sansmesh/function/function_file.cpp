@@ -58,7 +58,7 @@ std::optional<T> unless_null(const ReadJson& json, Get&& get) {
 }
 
 ReadJson parsed(std::string_view text) {
-  if (text.size() > kMostText) throw DataError("its description is longer than any that is written");
+  if (text.size() > kMostText) throw DataError("its description is too long");
   return ReadJson::parse(text, [](int depth, ReadJson::parse_event_t, ReadJson&) {
     if (depth > kMostNested) throw DataError("its description is nested too deeply");
     return true;
@@ -239,7 +239,7 @@ PointSet read_samples(const SectionFile& file, const PartitionData& data) {
   for (const Vec3f& p : samples.positions)
     if (!(norm(p - data.lower) <= 8 * data.edge)) throw DataError("its samples are not where its functions are");
   for (const Vec3f& v : samples.normals)
-    if (!(squared_norm(v) <= 1.01f)) throw DataError("the normals of its samples make no sense");
+    if (!(squared_norm(v) <= 1.01f)) throw DataError("the normals of its samples are invalid");
   return samples;
 }
 
@@ -321,11 +321,11 @@ FittedFunction read_fitted_function(const SectionFile& file) {
     int exponent = 0;
     if (!(norm(place.origin) <= 1e30 && place.unit > 1e-60 && place.unit < 1e30) ||
         std::frexp(place.unit, &exponent) != 0.5)
-      throw DataError("its place in the input makes no sense");
+      throw DataError("its position in the input is invalid");
     std::vector<std::string> history = history_of(json.at("history"));
     return {PartitionOfUnity(std::move(data)), place, std::move(samples), std::move(history), {}, {}};
   } catch (const nlohmann::json::exception&) {
-    throw FileError(file.file(), "damaged: its description (section META) makes no sense");
+    throw FileError(file.file(), "damaged: its description (section META) is invalid");
   } catch (const ArgumentError& error) {
     throw FileError(file.file(), fmt::format("damaged: {}", error.what()));
   } catch (const DataError& error) {

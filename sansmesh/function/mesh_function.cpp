@@ -97,7 +97,7 @@ TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& op
   r.open = f.open_area > 0;
   TriangleMesh mesh;
   if (walks) {
-    if (r.open) throw DataError("parts of the surface end where their samples end, which a walk cannot do");
+    if (r.open) throw DataError("the surface is open, and walks make closed surfaces only");
     BlockTree blocks = std::move(cut.blocks);
     blocks.balance();
     r.blocks = blocks.leaves().size();

@@ -482,10 +482,10 @@ void warn_of_crossings(const TriangleMesh& mesh, std::vector<std::string>& warni
   const auto crossing = self_intersections(mesh, kCrossingFaces * diagonal);
   if (crossing.empty()) return;
   const Vec3 at = mesh.origin + Vec3(mesh.vertices[mesh.triangles[crossing[0][0]][0]]);
-  warnings.push_back(fmt::format(
-      "its faces go through each other in {}, such as at ({:.4g}, {:.4g}, {:.4g}): what is inside is not known there, "
-      "and the result may have faults and stray parts (`components = auto` leaves those out; {})",
-      counted(crossing.size(), "place"), at.x, at.y, at.z, kRemedy));
+  warnings.push_back(
+      fmt::format("its faces intersect in {}, for example at ({:.4g}, {:.4g}, {:.4g}): the inside is ambiguous there, "
+                  "and the result may have faults and stray parts (`components = auto` leaves those out; {})",
+                  counted(crossing.size(), "place"), at.x, at.y, at.z, kRemedy));
 }
 
 void turn_over(TriangleMesh& mesh) {
@@ -546,7 +546,7 @@ Solid mesh_solid(TriangleMesh given, bool rounded, std::vector<std::string>& war
   }
   if (measure_size(mesh).volume < 0) {
     turn_over(mesh);
-    warnings.push_back("its faces point inward: turned over");
+    warnings.push_back("its faces point inward: reversed");
   }
   if (const double inside = share_inside(mesh); inside > kMostInside)
     throw DataError(fmt::format("about {:.0f} % of its faces lie inside of others or face the wrong way; {}",

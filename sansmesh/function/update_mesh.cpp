@@ -84,8 +84,8 @@ std::string percent_of(double share) {
 /// A change, and the width of the remeshed region around it.
 struct Pending {
   Box3 change;
-  double edge;  ///< of the largest block there
-  double margin;
+  double edge;    ///< edge of the largest block there
+  double margin;  ///< width, in such edges
   Box3 region() const { return widened(change, margin * edge); }
 };
 
@@ -225,7 +225,7 @@ bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::sp
   unite(changes, kGrowth);
   if (!Updating(function, options, moved, progress, u).run(changes)) return false;
   if (moved.triangles.empty()) {
-    u.why = "nothing of it would be left";
+    u.why = "the result would be empty";
     return false;
   }
   MeshReport report;
@@ -237,13 +237,11 @@ bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::sp
 
 /// Reason of the options or the function for remeshing everything; empty: none.
 std::string why_whole(const FittedFunction& function, const MeshOptions& options) {
-  if (is_walked(function, options)) return "it is walked, from all samples";
-  if (options.triangles) return "a number of triangles is one of the whole mesh";
-  if (options.trim || options.box) return "what is cut off is cut off of the whole mesh";
-  if (options.measure_quality || options.confidence.value_or(false))
-    return "what is measured of a mesh is of the whole";
-  if (FunctionDomain::needed(function, {}))
-    return "parts of the surface end where their samples end, and where that is follows from all of it";
+  if (is_walked(function, options)) return "it is meshed by a walk from all samples";
+  if (options.triangles) return "a number of triangles applies to the whole mesh";
+  if (options.trim || options.box) return "trimming and boxes apply to the whole mesh";
+  if (options.measure_quality || options.confidence.value_or(false)) return "measurements apply to the whole mesh";
+  if (FunctionDomain::needed(function, {})) return "the surface is open, and its border depends on all samples";
   return {};
 }
 
@@ -301,12 +299,12 @@ TriangleMesh update_mesh(const FittedFunction& function, TriangleMesh before, st
 namespace {
 
 constexpr ReportRow kMeshUpdateRows[] = {
-    reported<&MeshUpdate::local>({.text = "Whether only parts were made anew"}),
+    reported<&MeshUpdate::local>({.text = "Whether only parts were remeshed"}),
     reported<&MeshUpdate::removed>({.text = "Triangles that were removed"}),
     reported<&MeshUpdate::added>({.text = "Triangles that were added"}),
-    reported<&MeshUpdate::regions>({.text = "Separate regions that were made anew"}),
+    reported<&MeshUpdate::regions>({.text = "Separate regions that were remeshed"}),
     reported<[](const MeshUpdate& r) { return told_if(!r.why.empty(), r.why); }>(
-        {.name = "why", .text = "Reason for which all was made anew"})};
+        {.name = "why", .text = "Reason for remeshing all of it"})};
 
 }  // namespace
 

@@ -286,7 +286,7 @@ MpuSurface make_mpu_surface(const PointSet& points, const MpuOptions& options, P
   if (!(report.error > 0)) throw DataError("all samples coincide: there is no surface");
   state->tree = fit_mpu_tree(samples.positions, samples.normals, report.error, options.max_depth.value_or(kDeepestLeaf),
                              options.sharp, progress);
-  progress.begin("find which balls reach where");
+  progress.begin("assign balls to cells");
   state->find_reach();
   report.leaves = state->tree.leaves.size();
   for (const MpuLeaf& l : state->tree.leaves) {

@@ -17,10 +17,10 @@ namespace sansmesh::inline v1 {
 
 /// Parameters derived from the data, and statistics of the fit.
 struct MpuReport {
-  double error = 0;                                 ///< accepted error (length)
-  double spacing = 0, noise = 0;                    ///< of the samples (length); 0 if the error was given
-  int depth = 0;                                    ///< deepest level of the octree
-  std::size_t leaves = 0;                           ///< leaves of all kinds
+  double error = 0;               ///< accepted error (length)
+  double spacing = 0, noise = 0;  ///< spacing and noise of the samples (length); 0 if the error was given
+  int depth = 0;                  ///< deepest level of the octree
+  std::size_t leaves = 0;         ///< leaves of all kinds
   std::size_t general = 0, edges = 0, corners = 0;  ///< leaves with such a shape; the others are height fields
 };
 

@@ -18,7 +18,7 @@ void append_pieces(std::size_t support, std::span<const LocalFunction> pieces, s
   std::size_t tail = support;
   for (const LocalFunction& piece : pieces) {
     if (functions.size() >= static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-      throw DataError("partition of unity: more local functions than can be counted");
+      throw DataError("partition of unity: too many local functions");
     functions.push_back(piece);
     functions.back().next = 0;
     functions[tail].next = static_cast<std::int32_t>(functions.size());

@@ -167,27 +167,27 @@ void PartitionData::validate() const {
   if (paper) paper->validate();
   check(edge >= kLeastEdge && edge <= kMostEdge && sensible(lower) && norm(origin) <= kHuge &&
             norm(Vec3(lower)) <= 1e3 * static_cast<double>(edge),
-        "its cube makes no sense");
+        "its cube is invalid");
   check(!supports.empty() && functions.size() >= supports.size(), "it has no functions");
-  check(functions.size() < (std::size_t{1} << 31), "it has more functions than can be counted");
+  check(functions.size() < (std::size_t{1} << 31), "it has too many functions");
   const auto is_size = [](double x) { return x >= 0 && x <= static_cast<double>(kHuge); };
   check(is_size(report.noise) && is_size(report.error) && is_size(report.accuracy) && is_size(report.area) &&
             is_size(report.spacing) && report.spacing > 0 && is_size(report.open_area) &&
             sensible(static_cast<float>(report.behind)) && report.depth >= 0 && report.depth <= kDeepest,
-        "its report makes no sense");
+        "its report is invalid");
   check(basis.sort_depth >= 0 && basis.sort_depth <= 20 && basis.tried >= 0 && basis.tried <= basis.sort_depth &&
             basis.finest >= 0 && basis.finest <= basis.tried && basis.finest <= kDeepest && is_size(basis.variance) &&
             is_size(basis.accepted) && basis.support >= 1 && basis.support <= 4 && basis.fit >= 1 && basis.fit <= 4 &&
             is_size(basis.height),
-        "its scales make no sense");
-  check(flatness.size() == static_cast<std::size_t>(basis.finest) + 1 && is_tree(flatness), "its tree makes no sense");
+        "its scales are invalid");
+  check(flatness.size() == static_cast<std::size_t>(basis.finest) + 1 && is_tree(flatness), "its tree is invalid");
   const std::size_t n = supports.size();
   check(all_of_range(n,
                      [&](std::size_t i) {
                        return is_sensible_support(*this, i) && (i == 0 || in_order(supports[i - 1], supports[i]));
                      }),
-        "a support makes no sense");
-  check(is_chained(*this), "the pieces of its creases make no sense");
+        "a support is invalid");
+  check(is_chained(*this), "the pieces of its creases are invalid");
   // Bounds, up to the last bits of another machine's cosines.
   const auto are_slopes = [&](std::size_t support) {
     bool ok = true;
@@ -197,7 +197,7 @@ void PartitionData::validate() const {
     return ok;
   };
   check(slopes.empty() || (slopes.size() == functions.size() && all_of_range(n, are_slopes)),
-        "the slopes of its functions make no sense");
+        "the slopes of its functions are invalid");
 }
 
 }  // namespace sansmesh::inline v1

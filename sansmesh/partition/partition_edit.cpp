@@ -345,7 +345,7 @@ EditResult refit(const PartitionData& data, const Selection& chosen, const Parti
   options.validate();
   if (data.paper)
     throw DataError(
-        "it was fitted as the paper has it, from the top down, which cannot be done again for a part of it");
+        "it was fitted by the published method, from the top down, which cannot be repeated for a part of it");
   if (chosen.empty()) return {data, {}, {}, 0, 0};
   const std::vector<BlockKey> roots = filled_blocks(data, chosen);
   SampleTree tree = tree_around(data, roots, samples);

@@ -177,13 +177,11 @@ void ImplicitOptions::validate() const {
   if (iterations) check_range("iterations", *iterations, 0, 100);
   if (reach) check_range("reach", *reach, 0.5, 10);
   if (epsilon) check_range("epsilon", *epsilon, 0.05, 20);
-  check(weights == SurfaceWeights::compact || method != ImplicitMethod::hoppe,
-        "`weights` mean nothing to the surface hoppe");
-  check(!epsilon || method == ImplicitMethod::amls, "`epsilon` belongs to the surface amls");
+  check(weights == SurfaceWeights::compact || method != ImplicitMethod::hoppe, "the surface hoppe has no `weights`");
+  check(!epsilon || method == ImplicitMethod::amls, "only the surface amls has `epsilon`");
   check(normal != Normal::covariance || method == ImplicitMethod::adamson,
-        "`normal` = covariance belongs to the surface adamson");
-  check(normal != Normal::iterated || method == ImplicitMethod::amls,
-        "`normal` = iterated belongs to the surface amls");
+        "only the surface adamson has `normal` = covariance");
+  check(normal != Normal::iterated || method == ImplicitMethod::amls, "only the surface amls has `normal` = iterated");
 }
 
 double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {
@@ -211,7 +209,7 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
     if (options.bandwidth) chosen.bandwidth = *options.bandwidth * narrower;
     check_argument(
         options.bandwidth || (*chosen.smoothing >= 0.3 && *chosen.smoothing <= 20),
-        "`smoothing` over the square root of `epsilon`, the spacings that weights are wide, must be from 0.3 to 20");
+        "`smoothing` over the square root of `epsilon`, the width of the weights in spacings, must be in 0.3..20");
   }
   if (chosen.bandwidth) detail::check_width(samples, *chosen.bandwidth);
   if (amls && !chosen.bandwidth && (!chosen.smoothing || !chosen.iterations || !chosen.order)) {
@@ -281,7 +279,7 @@ void ImplicitSurface::evaluate_in_domain(std::span<const Vec3> x, std::span<doub
 
 void ImplicitSurface::iterated_normals(std::span<const Vec3> x, std::span<Vec3> normals) const {
   if (state_->kernel.formula != detail::ImplicitFormula::amls)
-    throw ArgumentError("`normal` = iterated belongs to the surface amls");
+    throw ArgumentError("only the surface amls has `normal` = iterated");
   if (normals.size() != x.size()) throw ArgumentError("iterated_normals: as many normals as points are needed");
   state_->candidates.for_each_group(
       x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> candidates, bool mixed) {

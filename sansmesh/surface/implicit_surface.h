@@ -57,7 +57,7 @@ struct ImplicitOptions {
 
 /// Parameters derived from the data.
 struct ImplicitReport {
-  double spacing = 0, noise = 0;  ///< of the samples: mean distance of neighbours, standard deviation (length)
+  double spacing = 0, noise = 0;  ///< spacing and noise of the samples (length)
   double smoothing = 0;           ///< median width over median spacing
   int order = 0, iterations = 0;  ///< amls
 };

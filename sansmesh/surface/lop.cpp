@@ -421,12 +421,12 @@ const OptionSchema& LopOptions::schema() {
                           .unit = "length",
                           .from_data = "from spacing and noise",
                           .range = positive()}),
-      option<&O::repulsion>({.text = "lop: how strongly points keep apart",
+      option<&O::repulsion>({.text = "lop: strength of the repulsion between points",
                              .unit = "share",
                              .range = {.least = 0, .most = 0.5, .below = true}}),
       option<&O::iterations>(
           {.text = "lop: steps at most, fewer where points come to rest", .range = {1, 1000}, .name = "lop_steps"}),
-      option<&O::weighted>({.text = "lop: the result is as dense as the samples are", .negative = "unweighted"})};
+      option<&O::weighted>({.text = "lop: keep the density of the samples", .negative = "unweighted"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }

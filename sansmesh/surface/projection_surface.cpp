@@ -56,10 +56,10 @@ void ProjectionOptions::validate() const {
   if (reach) check_range("reach", *reach, 0.5, 10);
   check(std::isfinite(threshold) && threshold > 0, "`threshold` must be positive");
   check(tau >= 1 && tau <= 3, "`tau` must be 1, 2 or 3");
-  check(flow == Flow::fit || method == ProjectionMethod::curvature, "`flow` belongs to the surface curvature");
-  check(plane == Plane::iterated || method == ProjectionMethod::levin, "`plane` belongs to the surface levin");
+  check(flow == Flow::fit || method == ProjectionMethod::curvature, "only the surface curvature has `flow`");
+  check(plane == Plane::iterated || method == ProjectionMethod::levin, "only the surface levin has `plane`");
   check(polynomial == Polynomial::quadratic || method != ProjectionMethod::curvature,
-        "`polynomial` belongs to the surfaces levin and alexa");
+        "only the surfaces levin and alexa have `polynomial`");
 }
 
 ProjectionSurface make_projection_surface(SurfaceSamples samples, const ProjectionOptions& options,

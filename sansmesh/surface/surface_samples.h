@@ -22,7 +22,7 @@ struct SurfaceSamples {
   /// Edge of the square of a sample's area, √(π d² / k) with d the distance to its k = 16th neighbour, averaged over
   /// these neighbours: supports follow the density (length).
   std::vector<float> spacing;
-  double median_spacing = 0, noise = 0;  ///< of the cloud (length)
+  double median_spacing = 0, noise = 0;  ///< spacing and noise of the cloud (length)
   /// Median distance to the nearest other sample over the spacing: 1 for a square lattice, 0.5 for random positions.
   double evenness = 1;
 

@@ -35,9 +35,9 @@ constexpr std::size_t kShares = 64, kLeastShare = 2048;
 
 /// Coincident vertices of a mesh merged into nodes, with the edges between them.
 struct PlaceGraph {
-  std::vector<std::uint32_t> place;  ///< of each vertex: the first coincident one
+  std::vector<std::uint32_t> place;  ///< first coincident vertex of each vertex
   std::vector<std::uint32_t> first, beside;
-  std::vector<Vec3> normal;  ///< of each node, unit or zero
+  std::vector<Vec3> normal;  ///< normal of each node, unit or zero
 
   explicit PlaceGraph(const PointSet& mesh) : place(places_of(mesh)), normal(mesh.size()) {
     join(mesh);
@@ -142,7 +142,7 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
                                                             Progress& progress) {
   options.validate();
   if (mesh.normals.size() != mesh.size()) throw DataError("curvatures need normals; the mesh has none");
-  if (mesh.triangles.empty()) throw DataError("there are no triangles: curvatures of points are those of a cloud");
+  if (mesh.triangles.empty()) throw DataError("there are no triangles: estimate the curvatures of the cloud instead");
   const PlaceGraph graph(mesh);
   std::size_t enough = 0;
   if (!options.bandwidth) {

@@ -11,7 +11,7 @@ std::size_t BlockTreeN<N>::subdivide(std::size_t i) {
   if (!is_leaf(i)) return static_cast<std::size_t>(blocks_[i].first_child);
   if (blocks_[i].level >= kMaxLevel) throw ArgumentError("block tree: deeper than 16 levels");
   const std::size_t first = blocks_.size();
-  if (first + kChildren > kMostBlocks) throw DataError("block tree: more blocks than can be counted");
+  if (first + kChildren > kMostBlocks) throw DataError("block tree: too many blocks");
   const Block parent = blocks_[i];
   blocks_[i].first_child = static_cast<std::int32_t>(first);
   for (unsigned c = 0; c < kChildren; ++c) {

@@ -252,8 +252,7 @@ TEST(FunctionFile, WritesNothingThatCannotBeRead) {
   functions[3].coefficient[0] = std::nanf("");
   data.functions = std::move(functions);
   const FittedFunction bad{PartitionOfUnity(std::move(data)), good.place, good.samples, {}, {}};
-  expect_file_error(folder / "f.smf", "a support makes no sense",
-                    [&] { write_fitted_function(folder / "f.smf", bad); });
+  expect_file_error(folder / "f.smf", "a support is invalid", [&] { write_fitted_function(folder / "f.smf", bad); });
   expect_file_error(folder / "absent/f.smf", "", [&] { write_fitted_function(folder / "absent/f.smf", good); });
   EXPECT_EQ(folder.entries(), 0u);
 }

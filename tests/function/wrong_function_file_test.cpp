@@ -133,7 +133,7 @@ TEST_F(WrongContents, Supports) {
   std::vector<RawSection> sections = good_;
   std::string& bytes = section(sections, "SUPPORT").bytes;
   bytes.replace(sizeof(Support), sizeof(Support), bytes.substr(0, sizeof(Support)));
-  expect_bad(sections, "a support makes no sense", "twice");
+  expect_bad(sections, "a support is invalid", "twice");
 }
 
 TEST_F(WrongContents, Tree) {

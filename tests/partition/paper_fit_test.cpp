@@ -160,7 +160,7 @@ TEST(PaperFit, GradientMatchesDifferencesInTheCubeAndBeyond) {
     EXPECT_TRUE(is_finite(g[i]));
     off += norm(d - g[i]) > 0.02 * (1 + norm(g[i]));
   }
-  EXPECT_LE(off, x.size() / 100);  // where the far field's own gradient jumps
+  EXPECT_LE(off, x.size() / 100);  // the gradient of the far field jumps there
 }
 
 TEST(PaperFit, ValuesLieInTheirRanges) {

@@ -135,7 +135,7 @@ TEST_P(Ranges, HoldAllValues) {
   const PartitionOfUnity field = fitted(test::even_samples(GetParam().shape, GetParam().spacing));
   std::size_t bounded = 0;
   expect_true_ranges(field, 400, bounded);
-  EXPECT_GT(bounded, 400u);  // of 2400
+  EXPECT_GT(bounded, 400u);  // out of 2400
   // The same after edits: constants against the surface around them, fits of another degree, removed supports.
   Progress progress;
   SupportQuery query;
@@ -173,7 +173,7 @@ TEST(PartitionRanges, HoldAllValuesOfNonsense) {
   }
   std::size_t bounded = 0;
   expect_true_ranges(fitted(cloud), 500, bounded);
-  EXPECT_GT(bounded, 200u);  // of 3000
+  EXPECT_GT(bounded, 200u);  // out of 3000
 }
 
 /// Floats, hence values, are coarse far from the origin.
@@ -223,7 +223,7 @@ TEST(PartitionRanges, OfASphereTellWhereItIsNot) {
     std::vector<ValueRange> ranges(x.size());
     field.ranges(x, std::abs(off) / 10, ranges);
     const auto unsure = std::count_if(ranges.begin(), ranges.end(), [](const ValueRange& r) { return r.holds_zero(); });
-    EXPECT_LE(unsure, 3) << off;  // of 300: few points are in a support with a very wrong function
+    EXPECT_LE(unsure, 3) << off;  // out of 300: few points are in a support with a very wrong function
   }
 }
 

@@ -15,7 +15,7 @@ namespace sansmesh::test {
 
 struct CurvedCloud {
   PointSet points;               ///< with true normals
-  std::vector<Vec3> direction1;  ///< of k1; zero where umbilic
+  std::vector<Vec3> direction1;  ///< direction of k1; zero where umbilic
   std::vector<double> k1, k2;
 };
 
