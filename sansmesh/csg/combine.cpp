@@ -19,7 +19,7 @@ constexpr double kCostly = 10;
 /// A survey with reach r is limited to this many r. The division of blocks of half edge r needs up to half the diagonal
 /// plus two cells, at most 3.8 r.
 constexpr double kSurveyed = 6;
-/// Lipschitz constant of the difference of two values whose slopes are at most 1, and hence of their weights.
+/// Lipschitz constant of the difference of two values whose slopes are at most 1, and so of their weights.
 constexpr double kSlopes = 2;
 
 bool bounded_anywhere(const Extents& e) {
