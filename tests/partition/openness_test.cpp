@@ -84,7 +84,7 @@ TEST(Openness, FloorsOfABuildingDoNotCloseEachOther) {
   PointSet floors = terrain(15000, 0.02f);
   floors = joined(joined(floors, terrain(15000, 0.02f), 1, {0, 0, 0.3f}), terrain(15000, 0.02f), 1, {0, 0, 0.6f});
   EXPECT_FLOAT_EQ(open_share(with_openness(floors)), 1);
-  // But two that face away from each other are a slab.
+  // Two that face away from each other are a slab.
   PointSet below = terrain(15000, 0.02f);
   for (Vec3f& n : below.normals) n = -n;
   EXPECT_EQ(open_share(with_openness(joined(below, terrain(15000, 0.02f), 1, {0, 0, 0.08f}))), 0);
@@ -105,7 +105,7 @@ TEST(Openness, TheSideOfASheetIsRightHoweverFarAway) {
   std::vector<Vec3> gradients(x.size());
   f.evaluate(x, values, gradients);
   for (std::size_t i = 0; i < x.size(); ++i) ASSERT_EQ(values[i] > 0, x[i].z > 0) << x[i].z;
-  // Gradients are those of the values.
+  // Gradients equal differences of the values.
   const double h = 1e-3;
   for (std::size_t k = 0; k < 3; ++k) {
     std::vector<Vec3> a = x, b = x;
