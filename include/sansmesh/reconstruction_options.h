@@ -15,17 +15,17 @@ namespace sansmesh::inline v1 {
 
 /// Absent options are chosen from the data. Without a method no other option may be set.
 struct SANSMESH_API ReconstructionOptions {
-  std::optional<std::string> method = {};  // "mls-detail", "linear", …: see `sansmesh schema`
+  std::optional<std::string> method = {};  ///< "mls-detail", "linear", …: see `sansmesh schema`
   std::optional<int> degree = {};          ///< mls, mls-detail: highest degree of polynomials, 0..4; lagrange: 1..5
-  std::optional<int> iterations = {};      // amls: number of iterations that add residuals, 0..100
-  std::optional<double> epsilon = {};      // amls: shape parameter ε, 0.05..10; smaller is smoother
+  std::optional<int> iterations = {};      ///< amls: number of iterations that add residuals, 0..100
+  std::optional<double> epsilon = {};      ///< amls: shape parameter ε, 0.05..10; smaller is smoother
   std::optional<int> order = {};           ///< amls: 2, 4 or 6
-  std::optional<double> radius = {};       // support radius in spacings, 1..10, for methods with supports
+  std::optional<double> radius = {};       ///< support radius in spacings, 1..10, for methods with supports
   /// amls: spherical supports with the radius of the farthest neighbour instead of ellipsoids, for comparison. Not for
   /// lattices (uniform and rectilinear grids): their supports follow the steps.
   std::optional<bool> spherical = {};
-  std::optional<bool> robust = {};  // mls-detail: robust weights that keep steps between materials sharp
-  double b = 0, c = 0.5;            // cubic: B and C, 0..1 each; the default is Catmull–Rom
+  std::optional<bool> robust = {};  ///< mls-detail: robust weights that keep steps between materials sharp
+  double b = 0, c = 0.5;            ///< cubic: B and C, 0..1 each; the default is Catmull–Rom
 
   /// Schema of these options.
   static const OptionSchema& schema();
@@ -35,25 +35,25 @@ struct SANSMESH_API ReconstructionOptions {
 
 /// Choices and remarks of a reconstruction.
 struct ReconstructionReport {
-  ReconstructionOptions options;       // options with all choices made from the data, including the method
-  std::string why;                     // reason for an automatic choice of the method: a sentence without a full stop
+  ReconstructionOptions options;       ///< options with all choices made from the data, including the method
+  std::string why;                     ///< reason for an automatic choice of the method: a sentence without a full stop
   std::vector<std::string> notes;      ///< "12 samples have no value: they were filled in from their neighbours", …
-  std::vector<std::size_t> by_degree;  // number of polynomials of each degree, if the method has polynomials
-  double noise = 0;                    // estimated noise of the values (unit of the array); 0 without an estimate
-  std::size_t bytes = 0;               // approximate memory of the field with its samples and cells
+  std::vector<std::size_t> by_degree;  ///< number of polynomials of each degree, if the method has polynomials
+  double noise = 0;                    ///< estimated noise of the values (unit of the array); 0 without an estimate
+  std::size_t bytes = 0;               ///< approximate memory of the field with its samples and cells
 };
 
 /// Estimated from some thousand samples: polynomials of degree 0 to 3 predict each from its neighbours. All values are
 /// relative to the range of the array (of vectors: the largest range of a component).
 struct VolumeTraits {
-  std::size_t samples = 0;  // number of samples examined
-  double range = 0;         // largest minus smallest value (unit of the array)
+  std::size_t samples = 0;  ///< number of samples examined
+  double range = 0;         ///< largest minus smallest value (unit of the array)
   /// Median leave-one-out error for each degree. It falls with the degree where the samples resolve the data, and stays
   /// constant for noise and for structure below the spacing.
   std::array<double, 4> left_out{};
   /// Root mean square of the same errors, dominated by the few samples next to edges.
   std::array<double, 4> left_out_rms{};
-  double noise = 0;  // standard deviation of the part that no degree predicts: an upper bound of the noise
+  double noise = 0;  ///< standard deviation of the part that no degree predicts: an upper bound of the noise
   /// Share of samples next to steps: with an error above ten times the median and above a twentieth of the range.
   double steps = 0;
 
@@ -65,8 +65,8 @@ struct VolumeTraits {
 
 /// An automatic choice of the method.
 struct ReconstructionChoice {
-  std::string method = "mls-detail";  // method name
-  std::string why;                    // reason, without a full stop
+  std::string method = "mls-detail";  ///< method name
+  std::string why;                    ///< reason, without a full stop
 };
 
 /// Grid entities that the rows of an array belong to.

@@ -26,13 +26,13 @@ struct SANSMESH_API OrientedBox {
   std::array<double, 3> sizes{};  ///< along the axes, descending
   Vec3 center;                    ///< middle of the box
 
-  static const ReportSchema& schema();  // one row per figure
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
 /// Volume and moments of a solid of density 1; lengths in the unit of the mesh, positions in world coordinates.
 struct MassMeasures {
-  double volume = 0;                // length³; negative if the triangles face inward
-  Vec3 center;                      // centre of mass
+  double volume = 0;                ///< length³; negative if the triangles face inward
+  Vec3 center;                      ///< centre of mass
   std::array<double, 3> moments{};  ///< principal moments of inertia about the centre, ascending (length⁵)
   /// Principal axes: orthonormal, right-handed; arbitrary where moments are equal.
   std::array<Vec3, 3> axes{};
@@ -40,13 +40,13 @@ struct MassMeasures {
 
 /// Measures of a set of triangles.
 struct SANSMESH_API BodyMeasures {
-  std::size_t triangles = 0;          // number of triangles measured
-  std::size_t boundary_edges = 0;     // edges with one triangle
-  std::size_t open_edges = 0;         // edges whose triangles do not cancel in direction
-  std::size_t nonmanifold_edges = 0;  // edges with three triangles or more
+  std::size_t triangles = 0;          ///< number of triangles measured
+  std::size_t boundary_edges = 0;     ///< edges with one triangle
+  std::size_t open_edges = 0;         ///< edges whose triangles do not cancel in direction
+  std::size_t nonmanifold_edges = 0;  ///< edges with three triangles or more
   double area = 0;                    ///< length²
-  Vec3 surface_center;                // centroid of the surface
-  Box3 box;                           // bounding box of the triangles
+  Vec3 surface_center;                ///< centroid of the surface
+  Box3 box;                           ///< bounding box of the triangles
   /// Volume and moments. Absent unless closed: an open surface has no inside.
   std::optional<MassMeasures> mass;
 
@@ -58,30 +58,30 @@ struct SANSMESH_API BodyMeasures {
   /// The sign of its volume fits neither a free solid nor a cavity in another one.
   bool misplaced() const { return mass && surrounding != (mass->volume < 0 ? 1 : 0); }
 
-  static const ReportSchema& schema();  // one row per figure
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
 /// Measures of a solid, in total and by component.
 struct SANSMESH_API SolidMeasures {
-  BodyMeasures whole;                    // all triangles
-  std::vector<BodyMeasures> components;  // sets of triangles that share vertices, by descending area
-  MeshTopology topology;                 // topology of all triangles
+  BodyMeasures whole;                    ///< all triangles
+  std::vector<BodyMeasures> components;  ///< sets of triangles that share vertices, by descending area
+  MeshTopology topology;                 ///< topology of all triangles
   /// The smallest box found: no larger than the axis-aligned box and the box along the principal axes.
   OrientedBox smallest_box;
   /// Triangles with a missing or non-finite corner, or with two equal corners.
   std::size_t left_out = 0;
-  std::size_t crossing_pairs = 0;       // pairs of intersecting triangles
-  std::size_t crossing_components = 0;  // components that intersect another one
+  std::size_t crossing_pairs = 0;       ///< pairs of intersecting triangles
+  std::size_t crossing_components = 0;  ///< components that intersect another one
 
-  static const ReportSchema& schema();  // one row per figure
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
 /// The plane ⟨normal, x⟩ = offset with a right-handed orthonormal frame (u, v, normal). In-plane coordinates of x are
 /// (⟨u, x⟩, ⟨v, x⟩): x and y for z = c, y and z for x = c, z and x for y = c.
 struct CutPlane {
   Vec3 normal{0, 0, 1};         ///< unit
-  double offset = 0;            // distance from the origin along the normal (length)
-  Vec3 u{1, 0, 0}, v{0, 1, 0};  // unit vectors of the in-plane coordinates
+  double offset = 0;            ///< distance from the origin along the normal (length)
+  Vec3 u{1, 0, 0}, v{0, 1, 0};  ///< unit vectors of the in-plane coordinates
 
   /// Signed distance of x from the plane, positive on the side of the normal.
   double height(const Vec3& x) const { return dot(normal, x) - offset; }
@@ -121,24 +121,24 @@ SANSMESH_API std::string equation(const CutPlane& plane);
 /// One polyline of a cross-section. Seen against the normal (u to the right, v up) the solid is on the left of the
 /// curve: outer boundaries are counter-clockwise, holes clockwise.
 struct SectionCurve {
-  std::vector<Vec3> points;                  // in space; a closed curve does not repeat its first point
-  std::vector<std::array<double, 2>> plane;  // the same in plane coordinates (u, v)
-  bool closed = false;                       // the last point connects to the first
-  double length = 0;                         // length of the curve
-  double area = 0;                           // enclosed area, signed by orientation: negative for holes; 0 if open
+  std::vector<Vec3> points;                  ///< in space; a closed curve does not repeat its first point
+  std::vector<std::array<double, 2>> plane;  ///< the same in plane coordinates (u, v)
+  bool closed = false;                       ///< the last point connects to the first
+  double length = 0;                         ///< length of the curve
+  double area = 0;                           ///< enclosed area, signed by orientation: negative for holes; 0 if open
 };
 
 /// Cross-section of a surface with a plane.
 struct SANSMESH_API Section {
-  CutPlane plane;                    // cutting plane
+  CutPlane plane;                    ///< cutting plane
   std::vector<SectionCurve> curves;  ///< open ones first
-  double length = 0;                 // total length of the curves
+  double length = 0;                 ///< total length of the curves
   /// Enclosed area (length²): signed sum over the closed curves. Negative if the surface faces inward.
   double area = 0;
-  bool closed() const;              // every curve is closed
-  std::size_t open_curves() const;  // number of open curves
+  bool closed() const;              ///< every curve is closed
+  std::size_t open_curves() const;  ///< number of open curves
 
-  static const ReportSchema& schema();  // one row per figure
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
 /// Options of a distance map. Lengths are in the unit of the input. Absent values follow from the data.
@@ -146,14 +146,14 @@ struct SANSMESH_API DistanceMapOptions {
   /// Points farther away are left out (> 0), since they belong to another object. Default: a tenth of the diagonal of
   /// the reference's box.
   std::optional<double> max_distance = {};
-  std::optional<double> within = {};  // tolerance (length, >= 0): the statistics report the share within it
+  std::optional<double> within = {};  ///< tolerance (length, >= 0): the statistics report the share within it
   /// Half of the range of the histogram and the colours (> 0). Default: the bound of 99 % of the area, rounded up to
   /// two digits, and at least 1e-6 of the diagonal of the reference's box.
   std::optional<double> color_range = {};
-  bool skip_border = false;  // leaves out points whose closest point is on the border of an open reference
-  bool reversed = false;     // maps the reference: distances to the part, with reversed sign
+  bool skip_border = false;  ///< leaves out points whose closest point is on the border of an open reference
+  bool reversed = false;     ///< maps the reference: distances to the part, with reversed sign
 
-  static const OptionSchema& schema();  // one row per field
+  static const OptionSchema& schema();  ///< one row per field
   /// Throws ArgumentError that names the field.
   void validate() const;
 };
@@ -162,46 +162,46 @@ struct SANSMESH_API DistanceMapOptions {
 /// of its triangles, so that the density of vertices has no effect; all points of a cloud have the same weight. NaN if
 /// nothing was measured.
 struct SANSMESH_API DistanceStatistics {
-  double mean = 0;                         // mean signed distance
-  double mean_absolute = 0;                // mean absolute distance
+  double mean = 0;                         ///< mean signed distance
+  double mean_absolute = 0;                ///< mean absolute distance
   double rms = 0;                          ///< root mean square
-  double deviation = 0;                    // standard deviation
-  double p05 = 0;                          // 5 % quantile of the signed distance
-  double median = 0;                       // median signed distance
-  double p95 = 0;                          // 95 % quantile of the signed distance
-  double p95_absolute = 0;                 // 95 % quantile of the absolute distance
-  double lowest = 0;                       // smallest signed distance, without regard to weights
-  double highest = 0;                      // largest signed distance, without regard to weights
-  Vec3 lowest_at;                          // position of the smallest, on the mapped surface (world coordinates)
-  Vec3 highest_at;                         // position of the largest, on the mapped surface (world coordinates)
-  std::optional<double> within_tolerance;  // share of the weight within ±tolerance, 0..1; absent without a tolerance
-  double area = 0;                         // measured area (length²); for points their number
+  double deviation = 0;                    ///< standard deviation
+  double p05 = 0;                          ///< 5 % quantile of the signed distance
+  double median = 0;                       ///< median signed distance
+  double p95 = 0;                          ///< 95 % quantile of the signed distance
+  double p95_absolute = 0;                 ///< 95 % quantile of the absolute distance
+  double lowest = 0;                       ///< smallest signed distance, without regard to weights
+  double highest = 0;                      ///< largest signed distance, without regard to weights
+  Vec3 lowest_at;                          ///< position of the smallest, on the mapped surface (world coordinates)
+  Vec3 highest_at;                         ///< position of the largest, on the mapped surface (world coordinates)
+  std::optional<double> within_tolerance;  ///< share of the weight within ±tolerance, 0..1; absent without a tolerance
+  double area = 0;                         ///< measured area (length²); for points their number
   /// Shares of the weight in kHistogramBins bins of equal width over −range..range (0..range without sides).
   std::vector<double> histogram;
   double below_range = 0;       ///< share of the weight below −range
   double above_range = 0;       ///< share of the weight above range
-  double range = 0;             // half of the range of the histogram and the colours (length, > 0)
-  bool smallest_range = false;  // the range is the smallest allowed, since nearly all distances are below it
+  double range = 0;             ///< half of the range of the histogram and the colours (length, > 0)
+  bool smallest_range = false;  ///< the range is the smallest allowed, since nearly all distances are below it
 
-  static const ReportSchema& schema();  // one row per figure
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
 /// Distances of the vertices of one surface from another one, in the unit of the input.
 struct SANSMESH_API DistanceMap {
-  std::vector<float> distance;    // per vertex, positive outside; NaN if left out
-  bool has_sides = true;          // false: distances are absolute
-  double max_distance = 0;        // value used
-  std::size_t measured = 0;       // number of vertices with a distance
-  std::size_t beyond = 0;         // left out: farther away than max_distance
-  std::size_t not_found = 0;      // left out: the search found no surface
-  std::size_t at_border = 0;      // closest point on a border; left out only with skip_border
-  std::size_t not_finite = 0;     // left out: vertices that are not finite or unused
-  DistanceStatistics statistics;  // statistics of the distances
+  std::vector<float> distance;    ///< per vertex, positive outside; NaN if left out
+  bool has_sides = true;          ///< false: distances are absolute
+  double max_distance = 0;        ///< value used
+  std::size_t measured = 0;       ///< number of vertices with a distance
+  std::size_t beyond = 0;         ///< left out: farther away than max_distance
+  std::size_t not_found = 0;      ///< left out: the search found no surface
+  std::size_t at_border = 0;      ///< closest point on a border; left out only with skip_border
+  std::size_t not_finite = 0;     ///< left out: vertices that are not finite or unused
+  DistanceStatistics statistics;  ///< statistics of the distances
 
-  static const ReportSchema& schema();  // one row per figure
+  static const ReportSchema& schema();  ///< one row per figure
 };
 
 inline constexpr std::size_t kHistogramBins =
-    41;  // size of DistanceStatistics::histogram; odd: one bin is centred at 0
+    41;  ///< size of DistanceStatistics::histogram; odd: one bin is centred at 0
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// The cells of any volume, lattices too, one by one.
+// Enumerates the cells of any volume, lattices included.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ inline std::size_t cell_count(const SampledVolume& volume) {
   return count;
 }
 
-/// The number of the k-th cell, k < cell_count(): of lattices as in VolumePlace.
+/// The index of the k-th cell, k < cell_count(); for lattices as in VolumePlace.
 inline std::size_t nth_cell(const SampledVolume& volume, std::size_t k) {
   if (!volume.lattice) return k;
   const auto& axes = volume.lattice->axes;
@@ -25,7 +25,7 @@ inline std::size_t nth_cell(const SampledVolume& volume, std::size_t k) {
   return k % (nx - 1) + nx * (k / (nx - 1) % (ny - 1) + ny * (k / ((nx - 1) * (ny - 1))));
 }
 
-/// A cell and its corners, at no place in it.
+/// A cell with its corners, without a point in it.
 inline VolumePlace place_of_cell(const SampledVolume& volume, std::size_t cell) {
   VolumePlace place;
   place.cell = static_cast<std::uint32_t>(cell);

@@ -1,4 +1,4 @@
-// A convex polyhedron that planes cut smaller and smaller: cells of Voronoi diagrams.
+// Convex polyhedron with cuts by half-spaces: cells of Voronoi diagrams.
 #pragma once
 
 #include <cstddef>
@@ -9,23 +9,23 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Bounded and convex. Each face carries a label: that of the plane that made it. Reused, it allocates nothing.
+/// Bounded and convex. Each face carries the label of its plane. Reuse allocates no memory.
 class ConvexCell {
  public:
-  static constexpr std::uint32_t kBox = 0xffffffffu;  ///< label of the faces of the box it was made of
+  static constexpr std::uint32_t kBox = 0xffffffffu;  ///< label of the faces of the initial box
 
-  /// The box from lower to upper.
+  /// Sets the cell to the box from lower to upper.
   void assign_box(const Vec3& lower, const Vec3& upper);
 
-  /// Becomes a copy of the other one, keeping its own memory for cuts.
+  /// Copies the faces of the other cell and keeps its own buffers.
   void assign(const ConvexCell& other) {
     vertices_ = other.vertices_;
     loops_ = other.loops_;
     faces_ = other.faces_;
   }
 
-  /// Keeps what lies on the side ⟨normal, x⟩ <= offset; the new face is labelled. Returns whether anything was cut off.
-  /// What is left may be empty.
+  /// Intersects the cell with the half-space ⟨normal, x⟩ <= offset and labels the new face. Returns whether the cell
+  /// changed. The result may be empty.
   bool cut(const Vec3& normal, double offset, std::uint32_t label);
 
   bool empty() const { return faces_.empty(); }
@@ -48,7 +48,7 @@ class ConvexCell {
   std::vector<std::uint32_t> loops_;
   std::vector<Face> faces_;
 
-  // Of the cut in progress.
+  // Buffers of cut().
   struct Segment {
     std::uint32_t from, to;
   };

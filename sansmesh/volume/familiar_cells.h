@@ -1,4 +1,4 @@
-// Cells that many points were found in: where the next points are looked for first.
+// Cache of frequently found cells that answers point location without a search.
 #pragma once
 
 #include <array>
@@ -16,41 +16,41 @@
 
 namespace sansmesh::inline v1 {
 
-/// Points that come one after the other (stages of a particle, samples of a ray) lie in one cell or in neighbours. From
-/// a cell that is familiar the next one is reached through faces, without a search, and what a search would find is
-/// known wherever no other cell holds the point too: of every cell near a familiar one there is a plane that it lies
-/// beyond. So the answers are those of the search, bit by bit, whatever became familiar and when.
+/// Consecutive points (stages of a particle, samples of a ray) are in one cell or in neighbours. A walk through faces
+/// from a cached cell reaches the next one without a search. The result equals that of a search where no other cell can
+/// contain the point: the cache keeps a separating plane for each cell near a cached one. So answers are bit-identical
+/// to those of the search, independent of the contents of the cache.
 ///
-/// A cell becomes familiar when it was found some times, up to a number of cells. From any thread.
+/// A cell enters the cache after several hits, up to a number of cells. Safe from any thread.
 class FamiliarCells {
  public:
-  /// All must outlive it. `folded` has a flag for each cell, or none.
+  /// All arguments must outlive it. `folded` has one flag per cell, or is empty.
   FamiliarCells(const SampledVolume& volume, const BoxTree& boxes, std::span<const std::uint8_t> folded);
   ~FamiliarCells();
   FamiliarCells(const FamiliarCells&) = delete;
   FamiliarCells& operator=(const FamiliarCells&) = delete;
 
-  /// The only cell that holds x (finite) by more than `margin` of its parameters u, starting from the cell `from`;
-  /// kNoCell where that is not certain. `from` may be kNoCell.
+  /// The only cell that contains x (finite) with a margin of its parameters u, found from the cell `from` (may be
+  /// kNoCell); kNoCell if that is not certain.
   std::uint32_t find(const Vec3& x, std::uint32_t from, double margin, Vec3& u) const;
 
-  /// Of a cell that a search found.
+  /// Counts a hit of a cell found by a search.
   void count(std::uint32_t cell) const;
 
  private:
-  /// Another cell, all of which lies where dot(normal, x − first corner of the familiar one) >= from.
+  /// Another cell, entirely on the side dot(normal, x − first corner of the cached cell) >= from.
   struct Rival {
     Vec3 normal;
     double from;
   };
   struct Cell {
     CellInverse inverse;
-    Vec3 corner;                            // its first
-    std::array<std::uint32_t, 6> beyond{};  // across u.x = 0, 1, u.y = 0, 1, u.z = 0, 1; of a tetrahedron four
-    std::vector<Rival> rivals;              // that no plane parts from the whole of it
+    Vec3 corner;                            // first corner
+    std::array<std::uint32_t, 6> beyond{};  // across u.x = 0, 1, u.y = 0, 1, u.z = 0, 1; four for a tetrahedron
+    std::vector<Rival> rivals;              // nearby cells that no plane separates from the whole cell
   };
 
-  static constexpr std::uint32_t kOften = 8;  // what it takes to know a cell is gained again by so many points
+  static constexpr std::uint32_t kOften = 8;  // hits after which the cost of caching is recovered
   static constexpr std::uint32_t kNever = ~std::uint32_t{0};
 
   std::unique_ptr<Cell> familiar(std::uint32_t cell) const;
@@ -63,7 +63,8 @@ class FamiliarCells {
   const BoxTree& boxes_;
   std::span<const std::uint8_t> folded_;
   std::size_t most_;
-  mutable std::vector<std::atomic<std::uint32_t>> state_;  // how often; from kOften on where in cells_
+  mutable std::vector<std::atomic<std::uint32_t>>
+      state_;  // number of hits; from kOften on the index in cells_ plus kOften
   mutable std::vector<std::unique_ptr<Cell>> cells_;
   mutable std::atomic<std::uint32_t> used_{0};
 };

@@ -1,4 +1,4 @@
-// Cells as reconstructions need them: corners at one place are one corner, none is flat or inside out.
+// Repairs cells for reconstructions: joins coincident corners, removes flat cells and inverts inverted ones.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace sansmesh::inline v1 {
 
-/// Points at one place become the first of them (coincident_points): renames the corners of cells. Returns for each
-/// point that first one; empty if there are none to join.
+/// Replaces coincident points by the first of them (coincident_points) in the corners of cells. Returns that first
+/// point for each point; empty if there are none to join.
 std::vector<std::uint32_t> join_coincident(GatheredCells& gathered);
 
-/// Replaces cells whose corners coincide by those of fewer corners, leaves those without volume out and turns those
-/// that are inside out. Counts into facts: degenerate, inverted. Returns for each cell that is left its number before;
-/// empty if these are the same.
+/// Replaces cells with coincident corners by cells with fewer corners, removes cells without volume and turns inverted
+/// ones. Adds to facts: degenerate, inverted. Returns the previous index of each remaining cell; empty if indices are
+/// unchanged.
 std::vector<std::uint32_t> mend_cells(GatheredCells& gathered, VolumeFacts& facts);
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Functions with ellipsoidal supports, summed at many points at a time.
+// Vectorised sums of functions with ellipsoidal supports.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ struct SupportTerm {
   float inverse_square = 1;             ///< 1 / radius²
   const float* coefficients = nullptr;  ///< of the monomials in M d, without the constant; may be null for degree 0
   int degree = 0;
-  float constant = 0;  ///< less the base of the tile
+  float constant = 0;  ///< minus the base of the tile
 };
 
 /// Points and sums, a structure of arrays aligned for the widest vectors.
@@ -24,11 +24,12 @@ struct SupportTile {
   alignas(64) float x[3][kTile];             ///< relative to the origin
   alignas(64) float weight[kTile];           ///< Σ w
   alignas(64) float value[kTile];            ///< Σ w p
-  alignas(64) float weight_slope[3][kTile];  ///< the gradients of these
+  alignas(64) float weight_slope[3][kTile];  ///< ∇ Σ w
   alignas(64) float value_slope[3][kTile];
 };
 
-/// Sums over `count` supports at the first n points, a multiple of 16; gradients if wanted. The same on every machine.
+/// Sums over `count` supports at the first n points, a multiple of 16; gradients if requested. The result is the same
+/// on every machine.
 void sum_supports(const SupportTerm* terms, std::size_t count, std::size_t n, bool gradient, SupportTile& tile);
 
 }  // namespace sansmesh::inline v1::detail
