@@ -9,7 +9,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Rows from a list for each that `fill(row, list)` makes (ascending, each entry once), in parallel.
+/// Builds rows in parallel; `fill(row, list)` makes the list of one row (ascending, without duplicates).
 template <class Fill>
 Adjacency rows_of(std::size_t rows, const Fill& fill) {
   constexpr std::size_t kChunk = 16384;
@@ -103,7 +103,7 @@ std::vector<std::uint32_t> face_neighbours(const CellList& cells, std::size_t po
       for (const std::uint32_t other : incidence[rare]) {
         if (other == c) continue;
         const auto theirs = cells[other];
-        // Most neighbours of a corner are dismissed by the corner across the face.
+        // The corner across the face dismisses most neighbours of a corner.
         const std::uint32_t across = corners[faces[f].corner[2]];
         if (std::find(theirs.begin(), theirs.end(), across) == theirs.end()) continue;
         const auto their_faces = cell_faces(cells.shapes[other]);

@@ -39,7 +39,7 @@ class CellBlend final : public GroupedField {
     for (std::size_t v = 0; v < count; ++v) positions[v] = corner(samples[v]);
     double base = polynomials_->corners(samples, 0, corners);
 
-    constexpr std::size_t kRow = 16;  // what the widest vectors read
+    constexpr std::size_t kRow = 16;  // read by the widest vectors
     const std::size_t filled = (n + kRow - 1) / kRow * kRow;
     for (std::size_t i = 0; i < filled; ++i) {
       const std::size_t p = std::min(i, n - 1);
@@ -75,7 +75,7 @@ class CellBlend final : public GroupedField {
     }
   }
 
-  // How far a point goes outside: half a local length at most.
+  // Limits the offset outside the volume to half a local length.
   static Vec3 held(const Vec3& out, const StarMetric& metric) {
     const double length = norm(metric(out));
     if (!std::isfinite(length)) return {};

@@ -5,11 +5,11 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Parameters that differ from those of the linear part by less than this (as far as bounds tell) need one correction
-/// by it: errors shrink by that factor.
+/// Deviation from the linear part below which one correction by it suffices: each correction reduces errors by this
+/// factor.
 constexpr double kNearlyLinear = 1e-9;
-/// And by less than this none, unless edges are so oblique (length over that along the direction across the others)
-/// that it would gain digits.
+/// Deviation below which no correction is needed, unless edges are so oblique (length over the component perpendicular
+/// to the others) that it would gain digits.
 constexpr double kLinear = 1e-15, kUpright = 10;
 
 CellMap map_about_first(CellShape shape, std::span<const Vec3> corners) {
@@ -33,7 +33,7 @@ CellInverse::CellInverse(CellShape shape, std::span<const Vec3> corners)
   const Vec3 half = c.rst * 0.5, rs = c.rs + half, tt = c.st + half, rt = c.rt + half;
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec3& row = rows_[k];
-    // X(v + 1/2) = centre + J v + what is not linear, |v_k| <= 1/2.
+    // X(v + 1/2) = centre + J v + nonlinear part, |v_k| <= 1/2.
     curved_[k] =
         0.25 * (std::abs(dot(row, rs)) + std::abs(dot(row, tt)) + std::abs(dot(row, rt)) + std::abs(dot(row, half)));
     reach_[k] = norm(row);
@@ -45,7 +45,7 @@ CellInverse::CellInverse(CellShape shape, std::span<const Vec3> corners)
 }
 
 bool CellInverse::newton(const Vec3& x, Vec3& u) const {
-  constexpr double kFar = 1;  // beyond the cube: no place of the cell is reached from there
+  constexpr double kFar = 1;  // beyond the cube: convergence into the cell is excluded
   int far = 0;
   if (!is_finite(u)) return false;
   for (int step = 0; step < 16; ++step) {
@@ -65,7 +65,7 @@ bool CellInverse::newton(const Vec3& x, Vec3& u) const {
 }
 
 bool CellInverse::may_reach(const Vec3& x, double distance) const {
-  if (shape_ == CellShape::tetrahedron || !solvable_) return true;  // invert() is as quick
+  if (shape_ == CellShape::tetrahedron || !solvable_) return true;  // invert() is as fast
   const Vec3 u = by_rows(x - center_);
   for (std::size_t k = 0; k < 3; ++k)
     if (std::abs(u[k]) > 0.5 + 1e-9 + curved_[k] + distance * reach_[k]) return false;

@@ -15,7 +15,7 @@ std::vector<std::uint32_t> coincident_points(std::span<const Vec3> points, std::
   Box3 whole;
   std::vector<std::uint32_t> some;
   for (std::size_t p = 0; p < n; ++p) {
-    if (!std::isfinite(shortest_edges[p])) continue;  // no cell's corner
+    if (!std::isfinite(shortest_edges[p])) continue;  // not a cell corner
     whole.extend(points[p]);
     if (joinable[p]) some.push_back(static_cast<std::uint32_t>(p));
   }

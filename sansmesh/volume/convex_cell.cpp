@@ -53,7 +53,9 @@ bool ConvexCell::cut(const Vec3& normal, double offset, std::uint32_t label) {
   for (const Face& face : old_faces_) {
     const auto begin = static_cast<std::uint32_t>(loops_.size());
     const std::uint32_t* const ring = old_loops_.data() + face.begin;
-    std::uint32_t leaving = kGone, pending = kGone;  // where the ring left, and first came back without having left
+    std::uint32_t leaving = kGone,
+                  pending =
+                      kGone;  // where the ring leaves the half-space, and where it first returned without having left
     for (std::uint32_t k = 0; k < face.count; ++k) {
       const std::uint32_t a = ring[k], b = ring[k + 1 < face.count ? k + 1 : 0];
       const bool a_in = renamed_[a] != kGone, b_in = renamed_[b] != kGone;
@@ -77,7 +79,7 @@ bool ConvexCell::cut(const Vec3& normal, double offset, std::uint32_t label) {
     else
       loops_.resize(begin);
   }
-  // The new face runs against the edges that it shares with the others. Rounding may leave several rings.
+  // The new face traverses shared edges in the opposite direction. Rounding may leave several rings.
   while (!segments_.empty()) {
     const auto begin = static_cast<std::uint32_t>(loops_.size());
     const std::uint32_t start = segments_.back().to;

@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-// Below the number from which on the locator sorts.
+// Below the number of points from which the locator sorts.
 constexpr std::size_t kBlockPoints = 2000;
 constexpr std::uint64_t kOutside = 1u << 31;
 
@@ -23,7 +23,7 @@ struct GroupedField::Block {
   std::vector<VolumePlace> places;
   std::vector<std::uint64_t> keys;
   std::unique_ptr<Memory> memory;
-  // Of a group outside.
+  // Answers of a group outside the volume.
   std::vector<double> values;
   std::vector<Vec3> gradients;
   std::vector<std::uint8_t> degrees;
@@ -42,7 +42,7 @@ void GroupedField::evaluate_all(std::span<const Vec3> x, const PolynomialAnswers
   const auto fits = [n](std::size_t size, std::size_t each) { return size == 0 || size == n * each; };
   if (!fits(wanted.values.size(), c) || !fits(wanted.gradients.size(), c) || !fits(wanted.inside.size(), 1) ||
       !fits(wanted.degrees.size(), 1))
-    throw ArgumentError("VolumeField: the answers are not as many as the points");
+    throw ArgumentError("VolumeField: the numbers of answers and points differ");
   const auto order = locality_order(x);
   parallel_ranges(0, (n + kBlockPoints - 1) / kBlockPoints, 1, [&](std::size_t begin, std::size_t end) {
     Block block;
@@ -53,7 +53,7 @@ void GroupedField::evaluate_all(std::span<const Vec3> x, const PolynomialAnswers
 }
 
 void GroupedField::spacing(std::span<const Vec3> x, std::span<double> found) const {
-  if (found.size() != x.size()) throw ArgumentError("VolumeField: as many spacings as points are needed");
+  if (found.size() != x.size()) throw ArgumentError("VolumeField: the numbers of spacings and points differ");
   std::vector<VolumePlace> places(x.size());
   locator_->locate(x, places);
   parallel_for(0, x.size(), 1024, [&](std::size_t i) { found[i] = local_spacing(*volume_, places[i]); });

@@ -1,4 +1,4 @@
-// The grid's own interpolation, and the nearest sample.
+// Interpolation in the grid's cells, and nearest-neighbour interpolation.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -19,7 +19,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kInLattice = 1024;  // points that a thread answers together
+constexpr std::size_t kInLattice = 1024;  // points per task of a thread
 
 class LinearField final : public detail::LocatedField {
  public:
@@ -39,10 +39,10 @@ class LinearField final : public detail::LocatedField {
   }
 
  private:
-  /// What is asked for most, a few components in lattices, goes the shortest way.
+  /// Fast path for lattices with few components.
   template <std::size_t N>
   void in_lattice(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
-    const double slack = 1e-9 * bounds().diagonal();  // as the locator has it
+    const double slack = 1e-9 * bounds().diagonal();  // as the locator
     const std::vector<std::uint32_t> order = locality_order(x);
     parallel_ranges(0, x.size(), kInLattice, [&](std::size_t first, std::size_t last) {
       std::array<double, N> value_store;
@@ -57,7 +57,7 @@ class LinearField final : public detail::LocatedField {
     });
   }
 
-  /// Values at x, gradients if they are wanted; whether it is inside. Outside as answer_at().
+  /// Values at x, gradients if `wanted`; returns whether x is inside. Outside as answer_at().
   template <std::size_t N>
   bool at_lattice(const Vec3& x, double slack, double* values, Vec3* gradients, bool wanted) const {
     if (!is_finite(x)) {
@@ -124,7 +124,7 @@ class LinearField final : public detail::LocatedField {
       }
       return;
     }
-    // Outside the place that counts is the nearest one, from where the function goes on a little.
+    // Outside, the function continues a little from the nearest point.
     Vec3 beyond, at = x;
     if (!place.inside) {
       at = position_of(place);
@@ -171,7 +171,7 @@ class LinearField final : public detail::LocatedField {
         if (const double more = dot(g[k], beyond); std::isfinite(more)) v[k] += more;
   }
 
-  /// Vectors, inside: what particles ask for.
+  /// Fast path for vectors inside, as used by particles.
   void three_at(std::size_t i, const Vec3& x, const VolumePlace& place, const VolumeAnswers& wanted) const {
     const double* const all = samples().values.data();
     std::array<Vec3, 8> of;
@@ -256,7 +256,7 @@ namespace {
 constexpr VolumeMethod kLinearMethods[] = {
     {.name = "nearest", .summary = "the value of the nearest sample", .grids = "all", .make = make_nearest_field},
     {.name = "linear",
-     .summary = "the grid's own: trilinear in hexahedra, barycentric in tetrahedra",
+     .summary = "interpolation in the grid's cells: trilinear in hexahedra, barycentric in tetrahedra",
      .grids = "all",
      .make = make_linear_field}};
 

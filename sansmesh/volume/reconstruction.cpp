@@ -18,7 +18,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Options that are set and that the method does not use.
+/// Rejects options that the method does not use.
 void check_options(const ReconstructionOptions& options, const VolumeMethod& method) {
   std::vector<std::string_view> set = options_set(options);
   std::erase(set, "method");
@@ -39,7 +39,7 @@ std::size_t bytes_of_samples(const SampledVolume& v) {
     sum += std::visit([](const auto& values) { return bytes_in(values); }, a.values);
   if (v.lattice)
     for (const auto& axis : v.lattice->axes) sum += bytes_in(axis);
-  constexpr std::size_t kLocated = 40;  // the boxes of the locator's tree, and their order, a cell
+  constexpr std::size_t kLocated = 40;  // bytes per cell of the boxes of the locator's tree and their order
   return sum + kLocated * v.cells.size();
 }
 
@@ -48,9 +48,8 @@ std::size_t bytes_of_coefficients(const ReconstructionCoefficients& c) {
   return bytes_in(p.metrics, p.constants, p.degrees, p.first, p.coefficients, p.trust, c.radii);
 }
 
-/// Values that become smaller by `scale`, for a method whose coefficients are floats. Throws DataError where a few
-/// numbers stand apart that are so much larger than the rest that floats lose this beside them. What falls off to
-/// nothing by itself may be lost.
+/// Checks values that `scale` reduces for a method with float coefficients. Throws DataError if a few numbers are so
+/// much larger than the rest that floats lose the rest. A loss in continuous decay to zero is accepted.
 void check_not_lost(const VolumeValues& values, double scale, std::string_view method) {
   constexpr double kLost = 0x1p-120, kApart = 0x1p-60;
   constexpr std::size_t kLooked = 100'000;
@@ -101,7 +100,7 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   ReconstructionCoefficients own_coefficients;
   ReconstructionCoefficients& used = coefficients ? *coefficients : own_coefficients;
   const std::size_t bytes = bytes_of_samples(*volume) + values.values.size() * sizeof(double);
-  // Coefficients and kernels are in float, squares in double: values far from 1 are brought there, and back.
+  // Coefficients and kernels are in float, squares in double: values far from 1 are scaled before and after.
   std::vector<double> factors = used.empty() ? value_scales(values) : used.scales;
   if (!factors.empty() && factors[0] < 1 && method.fits) check_not_lost(values, factors[0], method.name);
   values = scaled_values(std::move(values), factors);

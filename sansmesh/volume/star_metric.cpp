@@ -9,7 +9,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-// Extents below this fraction of the largest are rounding of the positions, not thickness.
+// Extents below this fraction of the largest are rounding of the positions.
 constexpr double kFlat = 1e-7;
 
 StarMetric ball_metric(double radius) {
@@ -17,7 +17,7 @@ StarMetric ball_metric(double radius) {
   return {{Vec3f{f, 0, 0}, Vec3f{0, f, 0}, Vec3f{0, 0, f}}};
 }
 
-/// Of stars without extent.
+/// Radius for stars without extent.
 double fallback_radius(const SampledVolume& volume) {
   const double r = std::max(volume.facts.median_spacing, 1e-6 * volume.bounds().diagonal());
   return r > 0 ? r : 1;

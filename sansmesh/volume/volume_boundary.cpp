@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kFinest = 4;  ///< times that a partly covered face is cut in four
+constexpr int kFinest = 4;  ///< subdivisions of a partly covered face into four
 
 /// A part of a face in the parameters of its patch.
 struct Patch {
@@ -27,7 +27,7 @@ class BoundaryWalk {
  public:
   BoundaryWalk(const CellList& cells, std::span<const Vec3> points) : cells_(cells), faces_(cells, points) {}
 
-  /// All parts of faces with nothing beyond, by cell and face.
+  /// All parts of faces without a cell beyond, by cell and face.
   std::vector<Patch> open_patches() const {
     constexpr std::size_t kChunk = 1024;
     std::vector<std::vector<Patch>> parts((cells_.size() + kChunk - 1) / kChunk);
@@ -80,7 +80,7 @@ class BoundaryWalk {
   FaceNeighbours faces_;
 };
 
-/// The box of a lattice.
+/// The boundary box of a lattice.
 TriangleMesh lattice_boundary(const Lattice& lattice) {
   TriangleMesh mesh;
   const auto corner = [&](std::size_t c) {
@@ -102,7 +102,7 @@ TriangleMesh lattice_boundary(const Lattice& lattice) {
   return mesh;
 }
 
-/// Where cells begin and end along an axis: at the samples, or between them if values belong to cells.
+/// Cell borders along an axis: at the samples, or between them for cell data.
 std::vector<double> cell_borders(const Lattice& lattice, std::size_t axis, bool in_cells) {
   std::vector<double> borders = lattice.axes[axis];
   if (!in_cells) return borders;
@@ -177,7 +177,7 @@ TriangleMesh volume_boundary(const SampledVolume& volume) {
   mesh.origin = volume.bounds().center();
   const BoundaryWalk walk(volume.cells, points);
   std::vector<std::uint32_t> of_corner(points.size(), kNoCell);
-  std::map<std::tuple<float, float, float>, std::uint32_t> of_place;  // corners of parts of faces, which have no number
+  std::map<std::tuple<float, float, float>, std::uint32_t> of_place;  // unnumbered corners of parts of faces
   const auto vertex = [&](const Vec3& x) {
     mesh.vertices.push_back(Vec3f(x - mesh.origin));
     return static_cast<std::uint32_t>(mesh.vertices.size() - 1);

@@ -21,7 +21,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kBeside = 2000;   // tolerances from the volume: 2e-6 of its diagonal
-constexpr double kStrict = 1e-10;  // in parameters: nearer to a face than this is on it
+constexpr double kStrict = 1e-10;  // in parameters: closer points are on the face
 
 void locate_in_lattice(const Lattice& l, double tolerance, const Vec3& x, VolumePlace& place) {
   const Vec3 a = is_finite(x) ? l.to_axes(x) : Vec3{l.lower[0], l.lower[1], l.lower[2]};
@@ -51,10 +51,10 @@ struct VolumeLocator::State {
   const SampledVolume& volume;
   double tolerance;
   BoxTree cells;
-  std::vector<std::uint8_t> folded;  ///< of each cell; empty if none is
+  std::vector<std::uint8_t> folded;  ///< per cell; empty if no cell is folded
   std::unique_ptr<FamiliarCells> familiar;
 
-  /// Faces without a cell on the other side, for points outside: found when the first one is asked for.
+  /// Faces without a cell on the other side, for points outside: computed on first use.
   struct Border {
     std::vector<std::uint32_t> faces;  ///< kMostFaces · cell + face
     BoxTree tree;
@@ -121,7 +121,7 @@ struct VolumeLocator::State {
     std::copy(points.begin(), points.end(), place.corners.begin());
   }
 
-  /// The place on the faces without a neighbour that is nearest to x.
+  /// The nearest point to x on the faces without a neighbour.
   void locate_outside(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
     if (locate_next_to(x, place, candidates)) return;
     std::call_once(border_made, [this] { make_border(); });
@@ -133,7 +133,7 @@ struct VolumeLocator::State {
       return d;
     };
     const std::uint32_t nearest = border.tree.nearest(x, distance, std::numeric_limits<double>::infinity());
-    if (nearest == BoxTree::kNone) {  // no border: a volume that closes on itself, or distances that overflow
+    if (nearest == BoxTree::kNone) {  // no border (a volume that closes on itself), or distances that overflow
       set(place, 0);
       place.weights[0] = 1;
       return;
@@ -148,8 +148,8 @@ struct VolumeLocator::State {
     for (std::size_t k = 0; k < count; ++k) place.weights[face.corner[k]] = weights[k];
   }
 
-  /// Most points outside lie just beyond a face: ends of rays, where these enter and leave. Then the place of a cell at
-  /// nearly the same parameters will do, and nothing has to be searched.
+  /// Most points outside are just beyond a face, at ends of rays. The point of a cell at nearly the same parameters
+  /// suffices for them, without a search.
   bool locate_next_to(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
     const double near = kBeside * tolerance;
     const Vec3 slack{near, near, near};
@@ -174,7 +174,7 @@ struct VolumeLocator::State {
     return true;
   }
 
-  /// `start` is a cell nearby, or none, and becomes the cell that was found.
+  /// `start` is a cell nearby, or none, and receives the cell found.
   void locate(const Vec3& x, VolumePlace& place, std::uint32_t& start, std::vector<std::uint32_t>& candidates) const {
     if (!is_finite(x)) {
       place.inside = false;
@@ -201,7 +201,7 @@ struct VolumeLocator::State {
   void search(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
     cells.containing(x, candidates);
     std::array<Vec3, 8> corners;
-    // Held by a cell's inside, where the smallest counts, or only by its faces, where the first does.
+    // Inside a cell, where the smallest counts, or only on cell faces, where the first counts.
     std::uint32_t within = kNoCell, touched = kNoCell;
     double smallest = -1;
     Vec3 within_at, touched_at;
@@ -245,7 +245,7 @@ struct VolumeLocator::State {
       shape_functions(volume.cells.shapes[place.cell], within != kNoCell ? within_at : touched_at, place.weights);
       return;
     }
-    if (failed) {  // folded or nearly flat cells, in which Newton's method goes astray
+    if (failed) {  // folded or nearly flat cells, for which Newton's method diverges
       double nearest = tolerance * tolerance;
       for (const std::uint32_t cell : candidates) {
         std::array<double, 8> weights;
@@ -274,7 +274,7 @@ void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> place
 void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> places,
                            std::span<std::uint32_t> starts) const {
   if (x.size() != places.size() || (starts.size() > 1 && starts.size() != x.size()))
-    throw ArgumentError("VolumeLocator: as many places as points are needed");
+    throw ArgumentError("VolumeLocator: the numbers of places and points differ");
   const State& state = *state_;
   if (state.volume.lattice) {
     parallel_for(0, x.size(), 1024,
@@ -321,7 +321,7 @@ void shape_gradients(const SampledVolume& volume, const VolumePlace& place, cons
   const CellShape shape = volume.lattice ? CellShape::hexahedron : volume.cells.shapes[place.cell];
   const std::size_t count = place.corner_count;
   Vec3 u = parameters_of(shape, place.weights);
-  // The tip of a pyramid is singular; just below it all is well.
+  // The tip of a pyramid is singular; points just below it are regular.
   if (shape == CellShape::pyramid) u.z = std::min(u.z, 1 - 1e-6);
   std::array<Vec3, 8> by_parameter;
   shape_derivatives(shape, u, by_parameter);

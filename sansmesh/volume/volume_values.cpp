@@ -12,8 +12,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Gives the samples that are not `known` the mean of the known ones of their stars, those next to them first, ring by
-/// ring; samples that no ring reaches the mean of all.
+/// Sets unknown samples to the mean of the known ones of their stars, ring by ring, nearest first; samples without a
+/// connection to known ones get the mean of all.
 void fill_in(const SampledVolume& volume, std::vector<std::uint8_t>& known, VolumeValues& of) {
   const std::size_t n = of.components;
   std::vector<double> whole(n, 0.0);
@@ -63,7 +63,7 @@ void check_size(const VolumeValues& of, double spacing) {
     throw DataError(
         fmt::format("array '{}': values of up to {:.4g} are too large: slopes between samples are no numbers",
                     printable(of.name, 60), most));
-  // One component may be next to nothing beside others: what is left in a direction without any flow.
+  // One component may be negligible relative to others: a direction without flow.
   if (most > 0 && most < 1 / kMost)
     throw DataError(fmt::format("array '{}': values of at most {:.4g} are too small to be told apart",
                                 printable(of.name, 60), most));
