@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Places at which the slope is looked at in each step, at most.
+/// Largest number of points per step that determine the slope.
 constexpr std::size_t kSlopesOfStep = 1024;
 
 std::vector<IsosurfaceStep> checked_steps(std::vector<IsosurfaceStep> steps) {
@@ -83,7 +83,7 @@ double IsosurfaceInTime::shortest_step() const {
   return least;
 }
 
-/// The step at or before a moment, but not the last.
+/// The step at or before a time, except the last.
 std::size_t IsosurfaceInTime::interval_of(double t) const {
   const auto after = std::upper_bound(steps_.begin(), steps_.end(), t,
                                       [](double moment, const IsosurfaceStep& s) { return moment < s.time; });
@@ -92,7 +92,7 @@ std::size_t IsosurfaceInTime::interval_of(double t) const {
 }
 
 void IsosurfaceInTime::evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<double> values) const {
-  // What each step is asked for, with its share.
+  // Query points of each step, and its share.
   struct Wanted {
     std::vector<std::size_t> which;
     std::vector<double> share;
@@ -117,7 +117,7 @@ void IsosurfaceInTime::evaluate(std::span<const Vec3> x, std::span<const double>
     steps_[step].field->evaluate(w.x, {found});
     for (std::size_t n = 0; n < w.which.size(); ++n) values[w.which[n]] += w.share[n] * (value_ - found[n]) / slope_;
   }
-  if (steps_[0].volume->lattice) return;  // bounds() says it all
+  if (steps_[0].volume->lattice) return;  // bounds() suffices
   std::vector<double> beyond(x.size());
   domain_.evaluate(x, beyond);
   for (std::size_t i = 0; i < x.size(); ++i) values[i] = std::max(values[i], beyond[i]);
@@ -132,10 +132,10 @@ void IsosurfaceInTime::ranges(std::span<const Vec3> x, double radius, std::span<
       const ValueRange r = ranges_[k]->around(x[i], radius);
       range = {std::min(range.least, r.least), std::max(range.most, r.most)};
     }
-    // Outside of all cells there is no surface.
+    // Outside all cells there is no surface.
     found[i] = range.least > range.most ? ValueRange{1e-9, infinity}
                                         : ValueRange{(value_ - range.most) / slope_, (value_ - range.least) / slope_};
-    // Where the volume ends, so does what is inside.
+    // The end of the volume is also the end of the inside.
     if (!steps_[0].volume->lattice && found[i].least <= 0) found[i].most = infinity;
   });
 }

@@ -25,7 +25,7 @@ std::pair<double, double> measures_of(const Tet& t, const std::vector<Vec3>& x) 
   return {dot(x[t[1]] - x[t[0]], cross(x[t[2]] - x[t[0]], x[t[3]] - x[t[0]])), longest};
 }
 
-/// Tetrahedra as they come, with the cell of each.
+/// Tetrahedra in order, with the cell of each.
 struct TetPieces {
   std::vector<Tet> tets;
   std::vector<std::uint32_t> cells;
@@ -53,7 +53,7 @@ void append_pieces(const GridBlock& block, std::uint32_t first_point, std::uint3
   }
 }
 
-/// Leaves out all but the first of those with the same corners; returns how many.
+/// Removes all but the first of tetrahedra with the same corners; returns the number removed.
 std::size_t drop_twins(TetPieces& p) {
   std::vector<Tet> sorted = p.tets;
   for (Tet& t : sorted) std::sort(t.begin(), t.end());
@@ -89,7 +89,7 @@ AttributeTable joined(const GridData& data, bool of_points, const std::vector<st
 }  // namespace
 
 std::uint32_t TetDataset::vertex(std::uint64_t number) const {
-  // Nearly always they stand in order.
+  // Numbers are consecutive in almost all files.
   const std::uint64_t guess = numbers.empty() || number < numbers[0] ? numbers.size() : number - numbers[0];
   if (guess < numbers.size() && numbers[guess] == number) return static_cast<std::uint32_t>(guess);
   const auto it = std::lower_bound(by_number.begin(), by_number.end(), number,
@@ -183,7 +183,7 @@ TetDataset tet_dataset(const GridData& data) {
 TetDataset read_tets(const std::string& file) {
   try {
     VolumeReadOptions options;
-    options.fill.usual = false;  // arrays are carried along as they are
+    options.fill.usual = false;  // arrays keep their values
     return tet_dataset(read_volume(file, options));
   } catch (const DataError& error) {
     throw FileError(file, error.what());

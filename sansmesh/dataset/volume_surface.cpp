@@ -37,47 +37,49 @@ struct HighGradient {
   static Kind from(const OptionValue& v) { return std::get<bool>(v) ? Kind::high_gradient : Kind::isovalue; }
 };
 
-/// Thickness of the layer: δ in ω = exp(−(d/δs)²), d the distance from the surface that value and slope tell, s the
-/// spacing. Samples of a Gaussian so wide add up to the same wherever they lie (Poisson's sum: to 10⁻⁴), thicker ones
-/// see more of the curvature of f.
+/// Thickness of the layer: δ in ω = exp(−(d/δs)²), d the distance from the surface by value and slope, s the spacing.
+/// The sum of Gaussians of this width is independent of the sample positions (Poisson summation: to 10⁻⁴); thicker
+/// layers include more of the curvature of f.
 constexpr double kThickness = 1;
-/// Samples farther off do not count: ω is below 0.01.
+/// Samples farther away are ignored: ω is below 0.01.
 constexpr double kMostOff = 2.2;
-/// No layer is thicker than what belongs to this share of the median slope: plateaus near the value would count whole.
+/// Lower bound of the slope for the thickness of a layer, relative to the median: otherwise plateaus near the value
+/// would count entirely.
 constexpr double kLeastSlope = 0.05, kWeakSlope = 0.25;
-/// h over the spacing without noise; its growth with what noise moves an isosurface by, in spacings; and its end.
+/// h over the spacing without noise; its growth with the displacement of an isosurface by noise, in spacings; and its
+/// upper bound.
 constexpr double kWidth = 2, kWiden = 4, kMostWidth = 4;
-/// Radius of the balls of the domain over the spacing, and the distance of samples that have one, over the layer's
-/// thickness: along any line through the layer some ball is entered within half a spacing of the surface.
+/// Radius of the domain's balls over the spacing, and the distance of samples with a ball over the layer's thickness:
+/// any line through the layer enters a ball within half a spacing of the surface.
 constexpr double kReach = 1.25, kBallsOff = 1.3;
-/// Borders of materials end with the inner part of the balls: farther out feet may be undefined.
+/// Borders of materials end with the inner part of the balls, since feet farther out may be undefined.
 constexpr double kInner = 0.8;
 constexpr double kSteepness = 0.35;    // β₂
-constexpr double kLeastBorder = 0.15;  // of the largest gradient (of all but one in a thousand samples)
+constexpr double kLeastBorder = 0.15;  // of the largest gradient (without the top thousandth of the samples)
 constexpr double kOutOfNoise = 4;      // times the median gradient
-/// Shares of the local maximum from which on a sample counts, and has a ball.
+/// Shares of the local maximum above which a sample has a weight, and a ball.
 constexpr double kCounts = 0.3, kOnRidge = 0.8;
-/// Edge of blocks over the spacing, and of the balls that must hold fine blocks over those of the domain.
+/// Edge of blocks over the spacing, and radius of the balls filled with fine blocks over those of the domain.
 constexpr double kBlockEdge = 2.1, kBlockReach = 0.6;
 constexpr int kDeepestBlocks = 13;
-constexpr double kAround = 4;        // the cube of blocks beyond the layer, in spacings
+constexpr double kAround = 4;        // margin of the cube of blocks beyond the layer, in spacings
 constexpr double kMeshError = 0.02;  // in spacings
-/// Rays ask whether places are in the volume where the field is smaller than this, over the largest radius of a ball.
+/// Rays test whether points are in the volume where the field is smaller than this, over the largest radius of a ball.
 constexpr double kCutThickness = 0.3;
-/// Parts of meshes that are shorter than this along every axis, over the width h of the weights: where no sample is
-/// inside of a closed part, or borders of materials begin, weights of that width tell nothing.
+/// Smallest extent of mesh parts along some axis, over the width h of the weights: weights do not resolve smaller
+/// closed parts without a sample inside, and beginnings of borders.
 constexpr double kResolved = 1;
-/// Vertices of borders of materials farther off than this are none, in spacings.
+/// Vertices of borders of materials farther away than this are removed, in spacings.
 constexpr double kOffSurface = 0.2;
-/// Distance between the feet that are handed out, in spacings.
+/// Distance between feet() in spacings.
 constexpr double kSplats = 0.75;
-/// Points are no closer than this part of the spacing; tries that are closer than this to others, over the distance
-/// asked for, are given up at once.
+/// Points are no closer than this share of the spacing; candidates closer than this share of the requested distance to
+/// others are dropped immediately.
 constexpr int kMostAlong = 8;
 constexpr double kThinned = 0.2;
 constexpr std::size_t kFeetAtOnce = 65536;
 
-/// A sample that counts.
+/// A sample with a weight.
 struct Chosen {
   std::uint32_t sample;
   double weight;
@@ -85,7 +87,7 @@ struct Chosen {
   Vec3 gradient;
 };
 
-/// What every chunk of samples finds, one after another: the same for any number of threads.
+/// Collects the samples found by chunks in order: the same for any number of threads.
 template <class Choose>
 std::vector<Chosen> choose_samples(std::size_t n, Progress& progress, const Choose& choose) {
   constexpr std::size_t kChunk = 65536;
@@ -101,7 +103,7 @@ std::vector<Chosen> choose_samples(std::size_t n, Progress& progress, const Choo
   return all;
 }
 
-/// Median slope where a sample is nearer to the value than to one of its neighbours; 0 if nowhere.
+/// Median slope of samples nearer to the value than to one of their neighbours; 0 if there are none.
 double slope_at(const SampleSlopes& slopes, std::span<const double> values, double value) {
   constexpr std::size_t kMany = 200'000;
   constexpr std::size_t kChunk = 65536;
@@ -126,18 +128,18 @@ std::vector<Chosen> isovalue_layer(const SampleSlopes& slopes, std::span<const d
     const double off = o.value - values[i];
     const double spacing = slopes.spacing(i);
     const double floor = kLeastSlope * r.slope * spacing + std::min(noise, kWeakSlope * r.slope * spacing);
-    // The gradient is hardly larger than the contrast over the spacing: most samples are done with here.
+    // The gradient is hardly larger than the contrast over the spacing: this rejects most samples.
     const double contrast = slopes.contrast(i);
     if (std::abs(off) > kMostOff * kThickness * (o.beta ? *o.beta : std::max(2 * contrast, floor))) return;
     const Vec3 gradient = slopes.gradient(i);
     const double steep = norm(gradient);
     if (!(steep > 0)) return;
-    // Flat cells: the layer is as thick as samples are apart across the surface.
+    // For flat cells the thickness of the layer is the spacing across the surface.
     const double across = slopes.spacing_along(i, gradient / steep);
     const double beta = o.beta ? *o.beta : kThickness * std::max(steep * across, floor);
     const double away = std::abs(off) / beta;
     if (away > kMostOff) return;
-    // Plateaus: level sets near by are far apart there, each sample stands for little of their area.
+    // On plateaus the level sets are far apart, and each sample represents little of their area.
     const double area = r.slope > 0 ? std::min(1.0, steep / (kWeakSlope * r.slope)) : 1;
     const double weight = std::exp(-away * away) * area * slopes.volume(i) / across;
     found.push_back({static_cast<std::uint32_t>(i), weight, away < kBallsOff, gradient});
@@ -185,8 +187,8 @@ std::vector<Chosen> high_gradient_layer(const SampledVolume& volume, const Sampl
   return all;
 }
 
-/// On which side of a surface places are that are too far away to be projected. Values are about distances, of the
-/// right sign; their gradients mean nothing.
+/// The side of points too far from the surface for the projection. Values are approximate distances of the right sign;
+/// gradients are meaningless.
 class LayerSide : public ScalarField {
  public:
   explicit LayerSide(Box3 bounds) : bounds_(bounds) {}
@@ -203,7 +205,7 @@ class LayerSide : public ScalarField {
   Box3 bounds_;
 };
 
-/// Of isosurfaces: that of the nearest sample of the volume.
+/// For isosurfaces: the side of the nearest sample of the volume.
 class ValueSide final : public LayerSide {
  public:
   ValueSide(const SampledVolume& volume, std::span<const double> values, double value, const Placement& place,
@@ -240,10 +242,10 @@ class ValueSide final : public LayerSide {
   Placement place_;
   double far_;
   std::vector<std::uint8_t> above_;
-  KdTree tree_;  ///< of samples that are not on a lattice
+  KdTree tree_;  ///< of samples not on a lattice
 };
 
-/// Of borders of materials: that of the tangent plane of the nearest foot.
+/// For borders of materials: the side of the tangent plane of the nearest foot.
 class PlaneSide final : public LayerSide {
  public:
   PlaneSide(const SurfaceFeet& feet, Box3 bounds) : LayerSide(bounds) {
@@ -268,8 +270,8 @@ class PlaneSide final : public LayerSide {
   KdTree tree_;
 };
 
-/// The surface's field, defined in the volume alone. Only places on the surface are looked up, and of these only those
-/// in balls that reach out of the volume.
+/// The surface's field, defined in the volume only. Only points on the surface are located, and among these only those
+/// in balls that extend beyond the volume.
 class CutField final : public ScalarField {
  public:
   CutField(std::unique_ptr<const ScalarField> field, const VolumeDomain& volume, const BallUnion& balls)
@@ -313,15 +315,15 @@ class CutField final : public ScalarField {
  private:
   std::unique_ptr<const ScalarField> field_;
   const VolumeDomain& volume_;
-  BallTree rim_;  ///< balls that reach out of the volume
+  BallTree rim_;  ///< balls that extend beyond the volume
   double thickness_ = 0;
 };
 
-/// Where a surface can be: inside of the volume and, where borders of materials end within it, of the balls of the
-/// layer. Negative there, about the distance to where that ends.
+/// Domain of a surface: the volume and, for borders of materials, which end inside it, the balls of the layer. Negative
+/// inside, approximately the distance to the boundary.
 class LayerDomain : public ScalarField {
  public:
-  /// What is passed must outlive it. `balls`: null for surfaces that end with the volume alone.
+  /// The arguments must outlive it. `balls`: null for surfaces that end only with the volume.
   LayerDomain(const VolumeDomain& volume, const BallUnion* balls) : volume_(volume), balls_(balls) {
     if (balls) tree_ = KdTree(balls->centers);
   }
@@ -349,8 +351,8 @@ class LayerDomain : public ScalarField {
   KdTree tree_;
 };
 
-/// Takes away triangles where the field jumps: half-way between two borders of materials the one's outside meets the
-/// other's inside, and coarse blocks reach from the one to the other.
+/// Removes triangles where the field jumps: half-way between two borders of materials the outside of one meets the
+/// inside of the other, and coarse blocks connect them.
 void drop_jumps(TriangleMesh& mesh, const ScalarField& field, double most) {
   std::vector<Vec3> x(mesh.vertices.size());
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = mesh.origin + Vec3(mesh.vertices[i]);
@@ -365,14 +367,14 @@ void drop_jumps(TriangleMesh& mesh, const ScalarField& field, double most) {
   separate_fans(mesh);
 }
 
-/// Takes away the parts that are shorter along every axis than the weights around them are wide, and closed ones that
-/// hold less than what one sample stands for; how many these were.
+/// Removes parts that are shorter along every axis than the width of the weights around them, and closed ones with less
+/// volume than one sample represents; returns their number.
 std::size_t drop_unresolved(TriangleMesh& mesh, const BallUnion& balls, std::span<const float> spacing,
                             double smoothing) {
   const MeshComponents parts = find_components(mesh);
   std::vector<Box3> boxes(parts.size());
   std::vector<double> volumes(parts.size()), areas(parts.size());
-  std::vector<Vec3> turned(parts.size());  // vectors of area add up to nothing over a closed part
+  std::vector<Vec3> turned(parts.size());  // vector areas sum to zero over a closed part
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const std::size_t part = parts.of_triangle[t];
     const auto& [a, b, c] = mesh.triangles[t];
@@ -408,10 +410,10 @@ struct VolumeSurface::State {
   VolumeSurfaceOptions options;
   VolumeSurfaceReport report;
   std::optional<LayerProjection> projection;
-  SurfaceFeet feet;  ///< of the places
+  SurfaceFeet feet;  ///< feet of `places`
   std::unique_ptr<const LayerSide> side;
-  BallUnion places;                  ///< samples next to the surface, a ball around each
-  std::vector<float> place_spacing;  ///< of these
+  BallUnion places;                  ///< samples next to the surface, with a ball around each
+  std::vector<float> place_spacing;  ///< spacing at `places`
   std::unique_ptr<const VolumeDomain> domain;
   std::unique_ptr<const ScalarField> field;
   BallUnion balls;
@@ -422,7 +424,7 @@ const OptionSchema& VolumeSurfaceOptions::schema() {
   using O = VolumeSurfaceOptions;
   static constexpr OptionRow rows[] = {
       option<&O::kind, HighGradient>(
-          {.text = "Where the array changes most: borders of materials, at any value", .name = "high_gradient"}),
+          {.text = "Borders of materials, where the gradient is largest, at any value", .name = "high_gradient"}),
       option<&O::beta>({.text = "Width of the weights: of values in their unit, of gradients as a share, 0.01 to 1",
                         .from_data = "by the slope at each sample; 0.35"}),
       option<&O::smoothing>({.text = "h of the weights by distance, in spacings",
@@ -433,15 +435,15 @@ const OptionSchema& VolumeSurfaceOptions::schema() {
                                   .range = positive(),
                                   .needs = "high_gradient"}),
       option<&O::local_maximum>(
-          {.text = "With `high_gradient`: gradients over the largest of the volume, not of the surroundings",
+          {.text = "With `high_gradient`: gradients relative to the largest of the volume, not of the neighbourhood",
            .negative = "global_maximum"}),
-      option<&O::corrector>({.text = "Quick: without the weights by distance", .negative = "predictor_only"}),
-      option<&O::predictor>({.text = "Without the first guess", .negative = "corrector_only"}),
-      option<&O::alternating>({.text = "Predictor: direction and offset in turns, as in the source"}),
+      option<&O::corrector>({.text = "Fast: omit the corrector's weights by distance", .negative = "predictor_only"}),
+      option<&O::predictor>({.text = "Omit the predictor", .negative = "corrector_only"}),
+      option<&O::alternating>({.text = "Predictor: optimise direction and offset in turn, as in the source"}),
       option<&O::line_search>({.text = "Corrector: offset by minimisation along the normal"}),
-      option<&O::separate_sheets>({.text = "Samples count wherever they face", .negative = "all_sheets"}),
+      option<&O::separate_sheets>({.text = "Use samples of all orientations", .negative = "all_sheets"}),
       option<&O::exact_projection>(
-          {.text = "Pictures and meshes project at every place, not from paraboloids at the feet of samples",
+          {.text = "Pictures and meshes project at every point instead of using paraboloids at the feet of samples",
            .old_name = "exact"})};
   static constexpr OptionSchema schema{rows};
   return schema;
@@ -474,7 +476,7 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
 
   const bool iso = options.kind == VolumeSurfaceOptions::Kind::isovalue;
   const SampledVolume& samples = *volume;
-  if (samples.size() != values.size()) throw ArgumentError("as many values as samples are needed");
+  if (samples.size() != values.size()) throw ArgumentError("the numbers of values and samples differ");
   if (samples.size() > std::numeric_limits<std::uint32_t>::max()) throw DataError("has more than 2³² samples");
   const auto [lowest, highest] = std::minmax_element(values.begin(), values.end());
   const double least = *lowest, range = *highest - least;
@@ -482,7 +484,7 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   if (iso && (options.value < least || options.value > *highest))
     throw DataError(fmt::format("does not have the value {:.6g}: values lie between {:.6g} and {:.6g}", options.value,
                                 least, *highest));
-  // As shares of the range: squares and quotients of very large and very small numbers are none.
+  // As shares of the range: squares and quotients of very large or small numbers would overflow or underflow.
   std::vector<double> shares(values.size());
   parallel_for(0, values.size(), 65536, [&](std::size_t i) { shares[i] = (values[i] - least) / range; });
   VolumeSurfaceOptions own = options;
@@ -590,7 +592,7 @@ BlockTree VolumeSurface::blocks() const {
   for (float& r : radii) r *= static_cast<float>(kBlockReach);
   const BallTree near(balls.centers, radii);
   const Vec3 size = state_->projection->bounds().size();
-  // Nothing reaches the cube's faces, where it would be closed.
+  // The surface must not reach the cube's faces, where it would be closed.
   const double edge =
       std::max({size.x, size.y, size.z}) + 2 * kAround * state_->place.from_input(state_->report.spacing);
   BlockTree tree(state_->projection->bounds().center() - Vec3{edge, edge, edge} * 0.5, edge);
@@ -634,7 +636,7 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   } else {
     detail::choose_components(mesh, meshing.components, {}, 0, r);
   }
-  if (mesh.triangles.empty()) throw DataError("has no such surface that weights of this width can tell");
+  if (mesh.triangles.empty()) throw DataError("has no such surface that weights of this width resolve");
   const MeshTopology topology = measure_topology(mesh);
   r.components = static_cast<int>(topology.components);
   r.open = !topology.closed();
@@ -657,7 +659,7 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
   std::vector<float> around;
   const auto flush = [&] {
     progress.check();
-    // Those in the volume, thinned at once: memory is that of the result, not of the tries.
+    // Points in the volume are thinned immediately: memory is proportional to the result.
     std::vector<Vec3> found, facing;
     for (const FootPoint& f : find_feet(surface.projection(), x, around).feet)
       found.push_back(f.position), facing.push_back(f.normal);
@@ -671,7 +673,7 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
     x.clear(), around.clear();
   };
   for (std::size_t i = 0; i < places.centers.size(); ++i) {
-    // Feet of the samples next to the surface and, where points are to be dense, of places around these.
+    // Feet of the samples next to the surface and, for dense results, of points around these.
     const double ratio = 2 * static_cast<double>(spacings[i]) / apart;
     const int along = index_in<int>(std::ceil(ratio), 1, 2 * kMostAlong);
     const float step = spacings[i] / static_cast<float>(along), first = 0.5f * static_cast<float>(1 - along);
@@ -703,15 +705,15 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
 namespace {
 
 constexpr ReportRow kVolumeSurfaceReportRows[] = {
-    reported<&VolumeSurfaceReport::samples>({.text = "Samples that count"}),
-    reported<&VolumeSurfaceReport::spacing>({.text = "Median spacing of these", .unit = "length"}),
+    reported<&VolumeSurfaceReport::samples>({.text = "Samples with a weight"}),
+    reported<&VolumeSurfaceReport::spacing>({.text = "Median spacing of these samples", .unit = "length"}),
     reported<&VolumeSurfaceReport::smoothing>({.text = "Width of the weights", .unit = "spacings"}),
     reported<&VolumeSurfaceReport::slope>(
         {.text = "Median slope of the quantity at the surface", .unit = "per length"}),
     reported<&VolumeSurfaceReport::noise>({.text = "Noise of the values", .unit = "unit of the array"}),
-    reported<&VolumeSurfaceReport::beta>({.text = "Sharpness of the weights, where one holds everywhere"}),
+    reported<&VolumeSurfaceReport::beta>({.text = "β of the weights, if it is the same everywhere"}),
     reported<&VolumeSurfaceReport::least_gradient>(
-        {.text = "Slope from which on samples count, of high gradients", .unit = "per length"})};
+        {.text = "Smallest gradient of a border, for high gradients", .unit = "per length"})};
 
 }  // namespace
 

@@ -17,11 +17,11 @@ namespace {
 
 constexpr std::size_t kMassChunk = 8192;
 
-/// Integrals over surface and inside, relative to a middle.
+/// Integrals over surface and volume, relative to a centre.
 struct MassSums {
   double area = 0, volume = 0;
-  Vec3 surface, first;             ///< ∫ x over the surface, over the inside
-  std::array<double, 6> second{};  ///< ∫ xx, yy, zz, xy, yz, zx over the inside
+  Vec3 surface, first;             ///< ∫ x over the surface, over the volume
+  std::array<double, 6> second{};  ///< ∫ xx, yy, zz, xy, yz, zx over the volume
 };
 
 MassSums combine_mass(MassSums a, const MassSums& b) {
@@ -33,8 +33,8 @@ MassSums combine_mass(MassSums a, const MassSums& b) {
   return a;
 }
 
-/// Adds a triangle, and the tetrahedron from the middle to it: over that with corners 0, a, b, c and s = a + b + c the
-/// integral of x xᵀ is det/120 (a aᵀ + b bᵀ + c cᵀ + s sᵀ).
+/// Adds a triangle and the tetrahedron from the centre to it: over the tetrahedron with corners 0, a, b, c and s = a +
+/// b + c the integral of x xᵀ is det/120 (a aᵀ + b bᵀ + c cᵀ + s sᵀ).
 void add(const Vec3& a, const Vec3& b, const Vec3& c, MassSums& sums) {
   const double area = triangle_area(a, b, c), det = Matrix3{a, b, c}.determinant();
   const Vec3 s = a + b + c;
@@ -65,7 +65,7 @@ MassMeasures mass_of(const MassSums& sums, const Vec3& middle) {
   const Eigen::Vector3d shift(c.x, c.y, c.z);
   moments -= sums.volume * shift * shift.transpose();
   const Eigen::Matrix3d inertia = moments.trace() * Eigen::Matrix3d::Identity() - moments;
-  // Of the solid itself, whichever way its triangles face.
+  // Independent of the orientation of the triangles.
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(sums.volume < 0 ? Eigen::Matrix3d(-inertia) : inertia);
   for (int k = 0; k < 3; ++k) {
     mass.moments[static_cast<std::size_t>(k)] = std::max(0.0, solver.eigenvalues()[k]);
@@ -79,7 +79,7 @@ MassMeasures mass_of(const MassSums& sums, const Vec3& middle) {
   return mass;
 }
 
-/// Counts the edges of each component as measure_topology does those of the whole.
+/// Counts the edges of each component, as measure_topology does for the whole.
 void count_edges(const TriangleMesh& mesh, const std::vector<std::uint32_t>& component, SolidMeasures& result) {
   // Key: the unordered pair; index: triangle and direction.
   std::vector<KeyIndex> edges(3 * mesh.triangles.size());
@@ -156,7 +156,7 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
     if (body.closed() && sums.area > 0) body.mass = mass_of(sums, clean.origin + middle);
   };
   measure(result.whole, 0, grouped.size());
-  // The sums that other commands print, to the last bit.
+  // The same sums as in other commands, to the last bit.
   const MeshSize size = measure_size(clean);
   result.whole.area = size.area;
   if (result.whole.mass) result.whole.mass->volume = size.volume;
@@ -193,8 +193,7 @@ constexpr ReportRow kBodyMeasuresRows[] = {
     reported<&BodyMeasures::triangles>({.text = "Triangles"}),
     reported<&BodyMeasures::closed>({.text = "Whether the triangles enclose a volume"}),
     reported<&BodyMeasures::boundary_edges>({.text = "Edges of one triangle"}),
-    reported<&BodyMeasures::open_edges>(
-        {.text = "Edges that more triangles run through in one direction than in the other"}),
+    reported<&BodyMeasures::open_edges>({.text = "Edges whose triangles do not cancel in direction"}),
     reported<&BodyMeasures::nonmanifold_edges>({.text = "Edges of three triangles or more"}),
     reported<&BodyMeasures::area>({.text = "Area", .unit = "length²"}),
     reported<&BodyMeasures::surface_center>({.text = "Mean of the surface's points", .unit = "length"}),
@@ -229,7 +228,7 @@ std::vector<BodyMeasures> largest_components(const SolidMeasures& solid) {
 }
 
 constexpr ReportRow kSolidMeasuresRows[] = {
-    reported<&SolidMeasures::topology>({.text = "How the triangles hang together"}),
+    reported<&SolidMeasures::topology>({.text = "Topology of all triangles"}),
     reported<&SolidMeasures::whole>({.text = "All parts together"}),
     reported<&SolidMeasures::smallest_box>({.text = "Smallest box around all"}),
     reported<&SolidMeasures::left_out>(

@@ -67,7 +67,7 @@ Vec3 MeshDistance::edge_normal(std::uint32_t a, std::uint32_t b, bool& border) c
     const Vec3 normal = face_normal(triangle);
     sum += normal;
     if (squared_norm(normal) > 0) continue;
-    // Without area: what lies behind it meets the edge in its place.
+    // A triangle without area is replaced by its neighbours at the edge.
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t p = t[k], q = t[(k + 1) % 3];
       if (p != q && !(p == a && q == b) && !(p == b && q == a)) sum += normalized(normals_across(triangle, p, q));

@@ -6,7 +6,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The pieces at each place, in ascending order, and how far each list has been used up.
+/// The pieces at each point in ascending order, with the number already used.
 class PiecesAt {
  public:
   PiecesAt(const std::vector<SectionPiece>& pieces, std::size_t places, std::uint32_t SectionPiece::*end)
@@ -20,7 +20,7 @@ class PiecesAt {
 
   std::uint32_t count(std::uint32_t place) const { return first_[place + 1] - first_[place]; }
 
-  /// The lowest piece there that is not used; kNone if all are.
+  /// The lowest unused piece at a point; kNone if there is none.
   std::uint32_t unused(std::uint32_t place, const std::vector<std::uint8_t>& used) {
     std::uint32_t& at = next_[place];
     while (at < first_[place + 1] && used[pieces_[at]]) ++at;
@@ -66,8 +66,7 @@ std::vector<SectionChain> chain_pieces(const std::vector<SectionPiece>& pieces, 
     chains.push_back(std::move(chain));
   };
 
-  // Ends first, so that what remains can only run in circles: places where a chain must begin, then those where one
-  // must end but nothing led to.
+  // Open chains first: start at points where a chain must begin, then at those where one must end; the rest are closed.
   const auto odd = [&](std::uint32_t place) { return (leaving.count(place) + arriving.count(place)) % 2 == 1; };
   for (std::size_t i = 0; i < pieces.size(); ++i)
     if (const std::uint32_t p = pieces[i].from; !used[i] && odd(p) && leaving.count(p) > arriving.count(p)) walk(p);

@@ -27,7 +27,7 @@ struct PositionHash {
   }
 };
 
-/// Triangles that have corners on both sides, in ascending order.
+/// Triangles with corners on both sides, in ascending order.
 std::vector<std::uint32_t> cut_triangles(const TriangleMesh& mesh, const Vec3& normal, double offset) {
   const std::size_t n = mesh.vertices.size();
   const auto height = [&](std::uint32_t i) { return dot(normal, Vec3(mesh.vertices[i])) - offset; };
@@ -71,12 +71,12 @@ Section section_mesh(const TriangleMesh& mesh, const CutPlane& plane) {
       std::size_t a = k, b = (k + 1) % 3;
       const bool falls = height[a] >= 0 && height[b] < 0, rises = height[a] < 0 && height[b] >= 0;
       if (!falls && !rises) continue;
-      // From the same end for both triangles at the edge.
+      // Interpolate from the same end for both triangles at the edge.
       if (corner[a] > corner[b]) std::swap(a, b);
       const std::uint64_t key = std::uint64_t{corner[a]} << 32 | corner[b];
       const auto [found, fresh] = crossings.try_emplace(key, static_cast<std::uint32_t>(points.size()));
       if (fresh) {
-        // Exact at the ends: a vertex in the plane stays where it is.
+        // Exact at the ends: a vertex in the plane keeps its position.
         const Vec3 p(at[a]), q(at[b]);
         const double t = height[a] / (height[a] - height[b]);
         const Vec3 x = mesh.origin + (height[b] == 0 ? q : p + (q - p) * t);

@@ -15,12 +15,12 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-// Pixels of 1/96 inch: sheets are laid out in them whatever their unit, since renderers place letters badly where a
-// font is smaller than a few units.
-constexpr double kSheetWidth = 1000;  // of drawings that are not true to scale
+// Pixels of 1/96 inch: sheets are laid out in pixels for every unit, since renderers misplace letters of fonts smaller
+// than a few units.
+constexpr double kSheetWidth = 1000;  // for drawings that are not true to scale
 constexpr double kHairline = 0.7, kBarLine = 1.2;
 constexpr double kFont = 13, kLeastFont = 7;
-/// Width of a letter over the size of the font, at most on average.
+/// Upper bound of the average width of a letter over the font size.
 constexpr double kLetter = 0.6;
 
 struct Extent {
@@ -28,7 +28,7 @@ struct Extent {
   bool empty() const { return !(u0 <= u1); }
 };
 
-/// Of each section. Those across the same direction share one, so that they can be laid over each other.
+/// Region of each section. Sections with the same normal share one, so that they can be overlaid.
 std::vector<Extent> frames_of(std::span<const Section> sections) {
   std::vector<Extent> frames(sections.size());
   std::vector<std::size_t> first(sections.size());
@@ -48,19 +48,19 @@ std::vector<Extent> frames_of(std::span<const Section> sections) {
   return frames;
 }
 
-/// Pixels in a unit of length; of drawings that are not true to scale 0.
+/// Pixels per unit of length; 0 for drawings that are not true to scale.
 double pixels_in(const std::string& unit) {
   return unit == "mm" ? 96 / 25.4 : unit == "cm" ? 96 / 2.54 : unit == "in" ? 96 : 0;
 }
 
-/// What is said of a section: where it is, and how large.
+/// Caption of a section: plane, length and area.
 std::array<std::string, 2> lines_of(const Section& section, const std::string& unit) {
   return {equation(section.plane),
           fmt::format("length {:.6g}{}, area {:.6g}{}{}", section.length, unit.empty() ? "" : " " + unit, section.area,
                       unit.empty() ? "" : " " + unit + "\u00B2", section.closed() ? "" : " (not closed)")};
 }
 
-/// In characters, not bytes.
+/// Counts characters, not bytes.
 std::size_t letters_in(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
@@ -97,7 +97,7 @@ double round_length(double length) {
 std::string section_svg(std::span<const Section> sections, const SectionSvgOptions& options) {
   options.validate();
   const std::vector<Extent> frames = frames_of(sections);
-  // All drawings get the space of the largest.
+  // All drawings have the space of the largest.
   double width = 0, height = 0;
   for (const Extent& e : frames)
     if (!e.empty()) {
@@ -113,14 +113,14 @@ std::string section_svg(std::span<const Section> sections, const SectionSvgOptio
   const auto columns =
       index_in<std::size_t>(std::round(std::sqrt(static_cast<double>(count) * height / width)), 1, count);
   const std::size_t rows = (count + columns - 1) / columns;
-  // Pixels in a length of the model.
+  // Pixels per length of the model.
   const double scale =
       options.unit.empty() ? kSheetWidth / (width * static_cast<double>(columns)) : pixels_in(options.unit);
-  // On narrow drawings the text shrinks as far as it can be read, and then makes room.
+  // On narrow drawings the text shrinks to the smallest readable size, and is then given more space.
   std::size_t letters = 1;
   for (const Section& section : sections)
     for (const std::string& line : lines_of(section, options.unit)) letters = std::max(letters, letters_in(line));
-  const double line_width = kLetter * (static_cast<double>(letters) + 1.5);  // over the font
+  const double line_width = kLetter * (static_cast<double>(letters) + 1.5);  // over the font size
   const double font = std::clamp(scale * width / line_width, kLeastFont, kFont);
   const double head = options.titles ? 3.2 * font : 0, foot = options.titles ? 2.4 * font : 0;
   const double cell_width = std::max(scale * width, options.titles ? font * line_width : 0),
@@ -143,7 +143,7 @@ std::string section_svg(std::span<const Section> sections, const SectionSvgOptio
     const double x = cell_width * static_cast<double>(i % columns), y = cell_height * static_cast<double>(row);
     const Extent e = frames[i].empty() ? Extent{0, 0, 0, 0} : frames[i];
     const double cu = 0.5 * (e.u0 + e.u1), cv = 0.5 * (e.v0 + e.v1);
-    // Viewers compute in single precision.
+    // Viewers use single precision.
     const double size = std::max(width, height), step = std::pow(10.0, std::ceil(std::log10(size)));
     const bool far = std::max(std::abs(cu), std::abs(cv)) > 100 * size;
     const double ou = far ? step * std::round(cu / step) : 0, ov = far ? step * std::round(cv / step) : 0;
@@ -152,7 +152,7 @@ std::string section_svg(std::span<const Section> sections, const SectionSvgOptio
                    "<g id=\"plane{}\" inkscape:groupmode=\"layer\" inkscape:label=\"{}\" data-origin=\"{:.12g} "
                    "{:.12g}\">\n<title>{}, {}</title>\n",
                    i, where, ou, ov, where, sizes);
-    // To the unit of lengths, v up.
+    // Transforms to the unit of lengths, v up.
     fmt::format_to(out,
                    "<g transform=\"matrix({0:.7g} 0 0 {0:.7g} {1:.7g} {2:.7g})\" fill-rule=\"evenodd\" "
                    "stroke=\"#20242b\" stroke-width=\"{3:.4g}\" stroke-linejoin=\"round\">\n",

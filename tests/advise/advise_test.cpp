@@ -83,7 +83,7 @@ TEST(Advise, SmoothsNoise) {
 TEST(Advise, SaysOfNoiseWhatCanBeKnown) {
   CloudTraits few;
   few.samples = 1500, few.spacing = 1, few.most_noise = 0.3, few.noise_known = false;
-  EXPECT_TRUE(says(advise(few), "cannot be told from shape with so few samples: it is 0.3 spacings at most"));
+  EXPECT_TRUE(says(advise(few), "cannot be distinguished from shape with so few samples: it is 0.3 spacings at most"));
   CloudTraits frame;
   frame.samples = 250000, frame.spacing = 1, frame.most_noise = 0.7, frame.step = 2.4, frame.noise_known = false;
   EXPECT_TRUE(says(advise(frame), "steps of 2.4 spacings"));
