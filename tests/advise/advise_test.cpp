@@ -24,7 +24,7 @@ Advice ask(const PointSet& cloud) {
   return advise(cloud, progress);
 }
 
-/// What is recommended for this aim, if anything is.
+/// The recommendation for this aim, if any.
 std::optional<Recommendation> for_aim(const Advice& advice, Aim aim) {
   for (const Recommendation& r : advice.recommendations)
     if (r.aim == aim) return r;
@@ -139,7 +139,7 @@ TEST(Advise, SeesBorders) {
 
 TEST(Advise, TellsOpenScenesFromSolids) {
   EXPECT_EQ(ask(test::cube(3000)).traits.open, 0);
-  // A floor, and a ball above it that is an eighth of both.
+  // A floor, and a ball above it with an eighth of the total area.
   PointSet scene;
   for (int i = 0; i < 100; ++i)
     for (int j = 0; j < 100; ++j) {
@@ -166,8 +166,8 @@ TEST(Advise, TellsOpenScenesFromSolids) {
 }
 
 TEST(Advise, CountsTheOpenEdgesOfFaces) {
-  // A lattice of n × n on a sphere without its poles: two loops of n edges each; with a quadrilateral less another
-  // of 4.
+  // A lattice of n × n on a sphere without its poles: two loops of n edges each; with the hole of a quadrilateral
+  // another of 4.
   const std::uint32_t n = 60;
   PointSet band;
   for (std::uint32_t i = 0; i < n; ++i)
@@ -184,8 +184,8 @@ TEST(Advise, CountsTheOpenEdgesOfFaces) {
   EXPECT_EQ(advice.traits.open_loops, 3u);
   EXPECT_TRUE(says(advice, "124 open edges of the faces in 3 loops"));
   EXPECT_NE(for_aim(advice, Aim::mesh).value().why.find("`fill_holes`"), std::string::npos);
-  // Every triangle with corners of its own is sewn where these are at one place, as `info` and `measure` count; of
-  // triangles that touch nothing there is nothing to be said.
+  // Separate triangles are joined at equal positions, as in `info` and `measure`; triangles that touch nothing have no
+  // finding.
   PointSet soup;
   for (const auto& t : band.triangles) {
     const auto base = static_cast<std::uint32_t>(soup.size());
@@ -209,7 +209,7 @@ TEST(Advise, SeesUnevenSampling) {
     uneven.normals.push_back(ball.normals[i]);
   }
   const Advice advice = ask(uneven);
-  EXPECT_GT(advice.traits.density_ratio, 3.5);  // 6, but for the lines that every 36th sample of the spiral lies on
+  EXPECT_GT(advice.traits.density_ratio, 3.5);  // 6, except for the lines through every 36th sample of the spiral
   EXPECT_LT(advice.traits.density_ratio, 7);
   EXPECT_TRUE(says(advice, "uneven"));
   EXPECT_LT(ask(ball).traits.density_ratio, 1.3);

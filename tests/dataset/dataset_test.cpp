@@ -60,14 +60,14 @@ TEST(VolumeDataset, TellsTheMemoryOfAField) {
     dataset.field({"where", {}, false}, options, progress, &report);
     return report.bytes;
   };
-  // All arrays of the samples, the axes of the lattice, and the numbers of the one that was reconstructed.
+  // All arrays of the samples, the axes of the lattice, and the values of the reconstructed array.
   std::size_t arrays = 0;
   Progress progress;
   for (const Attribute& a : dataset.volume(Association::points, progress)->attributes)
     std::visit([&](const auto& values) { arrays += values.size() * sizeof(values[0]); }, a.values);
   const std::size_t linear = bytes_of("linear"), numbers = 5 * 6 * 7 * 3;
   EXPECT_NEAR(static_cast<double>(linear), static_cast<double>(arrays + (5 + 6 + 7 + numbers) * sizeof(double)), 100);
-  // At least a constant and three slopes a sample and component more.
+  // At least a constant and three slopes more per sample and component.
   EXPECT_GT(bytes_of("mls-detail"), linear + numbers * (8 + 3 * 4));
 }
 

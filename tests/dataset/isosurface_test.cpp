@@ -75,7 +75,7 @@ TEST(Isosurface, OfABallIsAClosedSphereOnEveryGrid) {
     EXPECT_EQ(report.components, 1u);
     const double volume = 4.0 / 3 * std::numbers::pi * 0.027;
     ASSERT_TRUE(report.volume);
-    EXPECT_NEAR(*report.volume, volume, 0.02 * volume);  // outward: positive
+    EXPECT_NEAR(*report.volume, volume, 0.02 * volume);  // positive: faces outward
     EXPECT_LT(largest_error(mesh, 0.3), 0.004);
   }
 }

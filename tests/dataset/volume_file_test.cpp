@@ -21,7 +21,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 using namespace test;
-using Method = std::string;  // its name
+using Method = std::string;  // name of a method
 
 double wavy(const Vec3& x) { return std::sin(3 * x.x + x.y) + 0.5 * std::cos(4 * x.y - 2 * x.z) * x.z; }
 
@@ -31,7 +31,7 @@ ReconstructionOptions by(const Method& method) {
   return options;
 }
 
-/// The arrays of points or of cells alone.
+/// Only the arrays of points or of cells.
 GridData only(GridData data, Association of) {
   for (GridBlock& block : data.blocks) (of == Association::points ? block.cell_arrays : block.point_arrays).clear();
   return data;
@@ -44,7 +44,7 @@ struct AnswersOfField {
   friend bool operator==(const AnswersOfField&, const AnswersOfField&) = default;
 };
 
-/// At places in the volume and around it. Numbers are compared: none is a NaN.
+/// Answers at points inside and around the volume, without NaN, for comparison.
 AnswersOfField answers_of(const VolumeField& field, const SampledVolume& volume) {
   std::vector<Vec3> x = places_within(volume, 150);
   const Box3 box = volume.bounds();
@@ -117,8 +117,8 @@ TEST_F(VolumeFile, AnswersTheSameToTheBitByMethodsWithoutCoefficients) {
 }
 
 TEST_F(VolumeFile, TakesTheCoefficientsOfTheFileInPlaceOfAFit) {
-  // Half more at each sample is half more everywhere, though the values in the file are what they were: where the sum
-  // is all, and linear interpolation, which takes the values, has no share.
+  // Adding a half to each coefficient adds a half everywhere where linear interpolation, which uses the unchanged
+  // values in the file, has no share.
   Progress progress;
   VolumeDataset dataset(bent_grid({6, 7, 5}, wavy));
   write_volume_file(folder_ / "f.smv", dataset.fit("f", by("amls"), false, progress));
@@ -167,7 +167,7 @@ TEST_F(VolumeFile, MayBeGzipped) {
   EXPECT_TRUE(slurp(folder_ / "unpacked.smv") == slurp(folder_ / "f.smv"));
 }
 
-/// Two arrays of points, of which one is of three numbers with one that is unknown, and one of cells.
+/// Two point arrays, one with three components and an unknown value, and one cell array.
 GridData several_arrays() {
   GridData data = bent_grid({5, 6, 4}, wavy);
   data.format = "made grid";
@@ -188,7 +188,7 @@ TEST_F(VolumeFile, KeepsWhatIsKnownOfTheData) {
   VolumeDataset dataset(several_arrays());
   VolumeDataset opened = stored(dataset.fit("where", by("linear"), true, progress));
   EXPECT_EQ(opened.default_array().name, "where");
-  ASSERT_EQ(opened.arrays().size(), 2u);  // none of cells
+  ASSERT_EQ(opened.arrays().size(), 2u);  // no cell arrays
   for (const DatasetArray& a : opened.arrays()) {
     const DatasetArray& b = dataset.array(a.name);
     EXPECT_EQ(a.of, Association::points);
@@ -228,7 +228,7 @@ TEST_F(VolumeFile, ReconstructsAnewWhatItDoesNotHoldReady) {
   ReconstructionOptions cubics = by("mls-detail");
   cubics.degree = 3;
   expect_same("f", cubics);
-  // What is not said is as it is in the file.
+  // Absent options match those of the file.
   ReconstructionReport report;
   opened.field({"f", {}, false}, by("mls-detail"), progress, &report);
   EXPECT_EQ(report.options.degree, 1);

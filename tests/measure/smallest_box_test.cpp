@@ -46,7 +46,7 @@ Axes random_axes(std::mt19937& random) {
   return {u, v, cross(u, v)};
 }
 
-/// The least of very many frames, the best of them turned on at random as long as that helps.
+/// The smallest of very many frames; random rotations improve the best of them.
 double brute_force(const std::vector<Vec3f>& points, std::mt19937& random) {
   double least = volume_along(points, kUpright);
   std::normal_distribution<double> normal;

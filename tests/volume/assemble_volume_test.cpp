@@ -39,7 +39,7 @@ double volume_of_cells(const SampledVolume& volume) {
   return sum;
 }
 
-/// Of cells that overlap: the share of random places of the box that are inside.
+/// For overlapping cells: the share of random points of the box that are inside.
 double volume_by_chance(const SampledVolume& volume) {
   const Box3 box = volume.bounds();
   std::mt19937 random(3);
@@ -88,7 +88,7 @@ TEST(AssembleVolume, BoundaryEnclosesTheCells) {
     const bool overlapping = grid.name.starts_with("overlapping");
     const double of_cells = overlapping ? volume_by_chance(*volume) : volume_of_cells(*volume);
     const TriangleMesh mesh = volume_boundary(*volume);
-    // Curved faces are cut into two triangles, which are not quite where the faces are.
+    // Curved faces are split into two triangles, which deviate from them.
     EXPECT_NEAR(enclosed(mesh), of_cells, (overlapping || grid.name.starts_with("bent") ? 2e-2 : 1e-5) * of_cells);
     std::multiset<std::pair<std::uint32_t, std::uint32_t>> edges;
     for (const Triangle& t : mesh.triangles)
@@ -114,17 +114,17 @@ TEST(AssembleVolume, BoundaryEdgesAreThoseOfTheOuterFacesEachOnce) {
   const PolylineSet lines = boundary_edges(*volume_of(lattice));
   EXPECT_EQ(lines.size(), 36u);
   EXPECT_NEAR(length_of(lines), 36, 1e-5);
-  // By cells, each edge alone.
+  // The single edges of cells.
   const PolylineSet edges = boundary_edges(*volume_of(bent_grid({4, 4, 4}, linear_function)));
   EXPECT_EQ(edges.size(), 108u);
-  // With values in cells, lines lie where these end, not through their middles.
+  // For cell data, lines are on the cell borders, not through the cell centres.
   const PolylineSet in_cells = boundary_edges(*volume_of(lattice, Association::cells));
   EXPECT_EQ(in_cells.size(), 36u);
   std::set<float> heights;
   for (const Vec3f& x : in_cells.positions)
     heights.insert(std::round(300 * (x.z + static_cast<float>(in_cells.origin.z))));
   EXPECT_EQ(heights, (std::set<float>{0, 100, 200, 300}));
-  // Of tetrahedra also the diagonals; what is hidden between levels is not drawn twice.
+  // Tetrahedra also have diagonals; hidden faces between levels are not drawn twice.
   EXPECT_EQ(boundary_edges(*volume_of(tetrahedra_grid({4, 4, 4}, linear_function))).size(), 108u + 54u);
   const auto amr = volume_of(two_level_amr(8, linear_function), Association::cells);
   const PolylineSet levels = boundary_edges(*amr);
@@ -141,13 +141,13 @@ TEST(AssembleVolume, BoundaryEdgesAreThoseOfTheOuterFacesEachOnce) {
 
 TEST(AssembleVolume, FindsTheCellsItHasAndMendsThem) {
   const auto o = volume_of(o_grid({17, 5, 6}, linear_function));
-  EXPECT_EQ(o->size(), (1 + 16 * 4) * 6u);  // the axis once, the seam once
+  EXPECT_EQ(o->size(), (1 + 16 * 4) * 6u);  // one axis, one seam
   EXPECT_EQ(o->cells.size(), 16 * 4 * 5u);
   EXPECT_EQ(o->facts.degenerate, 16 * 5u);
   EXPECT_EQ(o->facts.parts, 1u);
   EXPECT_EQ(std::count(o->cells.shapes.begin(), o->cells.shapes.end(), CellShape::wedge), 16 * 5);
 
-  // One edge of a hexahedron without length: two pyramids, of the same volume.
+  // A hexahedron with an edge of zero length: two pyramids with the same volume.
   GridBlock block = tetrahedra_of(lattice_block({2, 2, 2}));
   block.cells = {};
   block.points = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
@@ -157,7 +157,7 @@ TEST(AssembleVolume, FindsTheCellsItHasAndMendsThem) {
   EXPECT_EQ(collapsed->cells.size(), 2u);
   EXPECT_NEAR(volume_of_cells(*collapsed), enclosed(volume_boundary(*collapsed)), 1e-6);
 
-  // Inside out among others: turned.
+  // An inverted cell among others is turned.
   GridBlock turned = tetrahedra_of(lattice_block({3, 3, 3}));
   std::swap(turned.cells.corners[0], turned.cells.corners[1]);
   const auto upright = volume_of(one_block(turned, linear_function));
@@ -187,7 +187,7 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
     try {
       volume = volume_of(one_block(block, linear_function));
     } catch (const DataError&) {
-      continue;  // nothing left
+      continue;  // no cells remain
     }
     ++kept;
     for (std::size_t c = 0; c < volume->cells.size(); ++c) {
@@ -201,7 +201,7 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
     std::vector<double> values(x.size());
     field_of(volume, "linear")->evaluate(x, {values});
     for (std::size_t k = 0; k < x.size(); ++k) {
-      // Many of these cells are folded over and over, and cover some places several times.
+      // Many of these cells are folded several times, and cover some points repeatedly.
       if (!places[k].inside) {
         ++missed;
         continue;
@@ -210,7 +210,7 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
     }
   }
   EXPECT_GT(kept, 1000u);
-  EXPECT_LT(missed, 20u);  // of more than twenty thousand places
+  EXPECT_LT(missed, 20u);  // of more than twenty thousand points
 }
 
 TEST(AssembleVolume, OrderOfBlocksDoesNotShow) {
@@ -245,7 +245,7 @@ TEST(AssembleVolume, LeavesOfLevelsCoverEverythingOnce) {
     EXPECT_EQ(volume->facts.parts, 1u);
     EXPECT_NEAR(volume_of_cells(*volume), 1, 1e-12);
     EXPECT_NEAR(enclosed(volume_boundary(*volume)), 1, 1e-6);
-    // A coarse cell at the side of the fine block has four neighbours there and five others.
+    // A coarse cell next to the fine block has four neighbours there and five others.
     std::size_t coarse_links = 0;
     for (std::size_t i = 0; i < volume->size(); ++i)
       for (const std::uint32_t j : volume->stars[i]) coarse_links += volume->level[i] == 0 && volume->level[j] == 1;
@@ -253,7 +253,7 @@ TEST(AssembleVolume, LeavesOfLevelsCoverEverythingOnce) {
   }
 }
 
-// Ghosts of another process, or blanked: the coarse cells below are all that there is.
+// Ghosts or blanked cells: only the coarse cells below exist.
 TEST(AssembleVolume, HiddenFineCellsCoverNothing) {
   const auto hide = [](GridData& data, std::size_t planes) {
     data.blocks[1].hidden_cells.assign(512, 0);
@@ -271,7 +271,7 @@ TEST(AssembleVolume, HiddenFineCellsCoverNothing) {
 
   data.blocks[1].hidden_cells.clear();
   data.blocks[1].hidden_points.assign(729, 0);
-  data.blocks[1].hidden_points[0] = 1;  // takes one cell along
+  data.blocks[1].hidden_points[0] = 1;  // removes one cell
   const auto points = volume_of(data, Association::cells);
   EXPECT_EQ(points->size(), 512u - 63 + 511);
   EXPECT_NEAR(volume_by_chance(*points), 1, 1e-12);
@@ -299,7 +299,7 @@ TEST(AssembleVolume, OverlapsKeepTheFinerSamplesAndNoHoles) {
         held[b] += volume->block[sample] == b;
       }
     }
-    EXPECT_EQ(held[2], 2000u);  // the finest one wherever it is
+    EXPECT_EQ(held[2], 2000u);  // wherever the finest one exists
     EXPECT_LT(held[0], 2000u);
   }
 }
@@ -318,7 +318,7 @@ TEST(AssembleVolume, StarsReachAcrossBlocksThatDoNotFit) {
 }
 
 TEST(AssembleVolume, CellsThatTwoBlocksHaveCountOnce) {
-  // A layer of each block repeated in the other, as the pieces of parallel programs have it; and a block twice.
+  // Each block repeats a layer of the other, as in output of parallel programs; and a duplicate block.
   const auto box = [](double from, double to, std::size_t n) {
     GridBlock block =
         curvilinear_block(lattice_block({n, 4, 4}, {from, 0, 0}, {to, 1, 1}), [](const Vec3& x) { return x; });
@@ -350,7 +350,7 @@ void set_rounded(GridBlock& block, const std::string& name, std::size_t componen
   block.point_arrays.set(name, std::move(values), components);
 }
 
-// Two blocks of 125 points each, that share 25.
+// Two blocks of 125 points each with 25 common points.
 TEST(AssembleVolume, ArraysOfSeveralTypesKeepTheirNumbers) {
   GridData data = abutting_blocks(5, 5, linear_function);
   GridBlock &left = data.blocks[0], &right = data.blocks[1];
@@ -380,7 +380,7 @@ TEST(AssembleVolume, ArraysOfSeveralTypesKeepTheirNumbers) {
 TEST(AssembleVolume, WhatABlockHasNotIsUnknownThere) {
   GridData data = abutting_blocks(5, 5, linear_function);
   set_rounded<std::int32_t>(data.blocks[0], "integers"), set_rounded<float>(data.blocks[0], "reals");
-  // The array of the block with more points counts.
+  // The array of the block with more points determines the type.
   data.blocks.push_back(
       curvilinear_block(lattice_block({6, 5, 5}, {2, 0, 0}, {3, 1, 1}), [](const Vec3& x) { return x; }));
   set_function(data.blocks[2], linear_function);
@@ -393,7 +393,7 @@ TEST(AssembleVolume, WhatABlockHasNotIsUnknownThere) {
       const Attribute& array = *volume->attributes.find(name);
       EXPECT_TRUE(is_real(array.type()));
       for (std::size_t i = 0; i < volume->size(); ++i) {
-        // Where blocks meet, what the one knows counts.
+        // At common points the known value counts.
         const double x = volume->positions[i].x;
         if (x < 1 + 1e-9)
           ASSERT_NEAR(array.number(i), 40 + 10 * x, 1) << i;
@@ -430,8 +430,8 @@ TEST(AssembleVolume, SingleLayersBecomeSlabs) {
 }
 
 TEST(AssembleVolume, FlatBlocksBecomeOneSlab) {
-  // Side by side with common points; the second is wound the other way and stretched, the third made of triangles and
-  // squares wound either way.
+  // Three sheets with common points; the second is reversed and stretched, the third consists of triangles and squares
+  // of both orientations.
   GridData data;
   data.blocks.push_back(curvilinear_block(lattice_block({5, 5, 1}), [](const Vec3& x) { return x; }));
   data.blocks.push_back(curvilinear_block(lattice_block({9, 5, 1}), [](const Vec3& x) {
@@ -472,7 +472,7 @@ TEST(AssembleVolume, FlatBlocksBecomeOneSlab) {
 }
 
 TEST(AssembleVolume, SheetsHaveNoTwistsHoweverTheyAreWound) {
-  // A closed sheet, whose cells are wound at random, gets a shell of even thickness.
+  // A closed sheet with random orientation of cells becomes a shell of even thickness.
   const GridBlock ring =
       curvilinear_block(lattice_block({25, 9, 1}, {0, 0, 0}, {2 * std::numbers::pi, 1, 0}), [](const Vec3& x) {
         return Vec3{std::cos(x.x), std::sin(x.x), x.y};
@@ -495,7 +495,7 @@ TEST(AssembleVolume, SheetsHaveNoTwistsHoweverTheyAreWound) {
   EXPECT_EQ(volume->size(), 2u * 24 * 9);
   const double half = volume->facts.layer / 2;
   for (const Vec3& p : volume->positions) EXPECT_NEAR(std::abs(std::hypot(p.x, p.y) - 1), half, 1e-9);
-  const double area = 24 * 2 * std::sin(std::numbers::pi / 24);  // of the polygon's circumference times 1
+  const double area = 24 * 2 * std::sin(std::numbers::pi / 24);  // circumference of the polygon times 1
   EXPECT_NEAR(volume_of_cells(*volume), area * std::cos(std::numbers::pi / 24) * 2 * half, 1e-9);
 }
 
@@ -534,7 +534,7 @@ TEST(AssembleVolume, ScatteredPointsFillTheirHull) {
   EXPECT_EQ(volume->size(), 3000u);
   EXPECT_NEAR(volume_of_cells(*volume), 1, 1e-9);
   EXPECT_NEAR(enclosed(volume_boundary(*volume)), 1, 1e-5);
-  // No sample lies within the sphere of a cell: it would be nearer to the centre than the corners are.
+  // No sample is inside the circumsphere of a cell: it would be nearer to the centre than the corners.
   for (std::size_t c = 0; c < volume->cells.size(); c += 97) {
     const auto corners = volume->cells[c];
     const Vec3 o = volume->positions[corners[0]];
@@ -555,7 +555,7 @@ TEST(AssembleVolume, OrderOfScatteredPointsDoesNotShow) {
   std::reverse(other.blocks[0].points.begin(), other.blocks[0].points.end());
   set_function(other.blocks[0], linear_function);
   EXPECT_TRUE(same_but_for_blocks(*volume_of(data), *volume_of(other)));
-  // The same points twice are the same samples.
+  // Duplicate points give the same samples.
   GridData twice = data;
   twice.blocks[0].points.insert(twice.blocks[0].points.end(), data.blocks[0].points.begin(),
                                 data.blocks[0].points.end());
@@ -603,7 +603,7 @@ TEST(AssembleVolume, BadDataAreAnsweredByOneLine) {
   GridData bare = bent_grid({3, 3, 3}, linear_function);
   bare.blocks[0].point_arrays.clear();
   EXPECT_TRUE(refused(bare));
-  bare.blocks[0].cell_arrays.clear();  // a grid alone can be looked at
+  bare.blocks[0].cell_arrays.clear();  // a grid without arrays is valid
   EXPECT_EQ(assemble_volume(bare, Association::points, progress).size(), 27u);
   GridData few = scattered_grid(8, linear_function);
   few.blocks[0].points.resize(3);

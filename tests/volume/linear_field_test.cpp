@@ -49,7 +49,7 @@ TEST(LinearField, IsFiniteAnywhereAndZeroAtPointsThatAreNot) {
 }
 
 TEST(LinearField, IsContinuousAcrossPlaneFaces) {
-  // Rough values: what is not continuous shows.
+  // Rough values reveal discontinuities.
   const auto rough = [](const Vec3& x) { return std::sin(1e4 * x.x) + std::cos(3e4 * x.y) * std::sin(2e4 * x.z); };
   for (const auto& [name, data] :
        {std::pair{"tetrahedra", tetrahedra_grid({5, 5, 5}, rough)}, std::pair{"mixed", mixed_grid({7, 4, 4}, rough)}})

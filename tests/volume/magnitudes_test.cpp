@@ -1,4 +1,4 @@
-// Values of any magnitude: fields are those of moderate values, times the factor.
+// Scaling the values by any factor scales the fields.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -49,7 +49,7 @@ TEST(Magnitudes, OfValuesChangeNothingButTheFactor) {
   }
 }
 
-/// A field of vectors whose components are of different size, with noise, times a factor.
+/// A noisy vector field with components of different size, times a factor.
 GridData vectors_times(double factor, double last = 1) {
   GridData data = lattice_grid({6, 5, 7}, wave_of_magnitude);
   std::vector<double> values;
@@ -82,7 +82,7 @@ TEST(Magnitudes, OfVectorsChangeNothingButTheFactor) {
   }
 }
 
-/// What flow solvers leave in a direction in which nothing flows.
+/// Flow solvers leave such values in a direction without flow.
 TEST(Magnitudes, OfOneComponentMayBeNextToNothing) {
   for (const VolumeMethod* const info : VolumeMethod::registry().all()) {
     SCOPED_TRACE(info->name);
@@ -92,7 +92,7 @@ TEST(Magnitudes, OfOneComponentMayBeNextToNothing) {
   }
 }
 
-/// Whether data that fall off to nothing are taken does not depend on their unit.
+/// Decay to zero is accepted or rejected independently of the unit.
 TEST(Magnitudes, OfPeaksDecideNothing) {
   for (const double sharpness : {1 / 1.3, 1 / 0.3}) {
     const auto peak = [&](double factor) {
@@ -138,7 +138,7 @@ TEST(Magnitudes, WithoutARightAnswerAreErrors) {
   EXPECT_NE(error_of([](const Vec3& x) { return 1e308 * x.x; }, linear).find("too large"), std::string::npos);
   EXPECT_NE(error_of([](const Vec3& x) { return 1e-310 * x.x; }, linear).find("too small"), std::string::npos);
   EXPECT_NE(error_of([](const Vec3&) { return std::nan(""); }, linear).find("no finite value"), std::string::npos);
-  // A single number beside which all others vanish.
+  // A single number that dwarfs all others.
   const auto spike = [](const Vec3& x) { return x == Vec3{0.5, 0.5, 0.5} ? 1e60 : wave_of_magnitude(x); };
   EXPECT_NE(error_of(spike, detail).find("values of up to 1e+60 stand so far apart"), std::string::npos);
   EXPECT_NE(error_of(spike, detail).find("`fill_value`"), std::string::npos);
