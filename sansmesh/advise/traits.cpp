@@ -28,7 +28,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kSpacingNeighbours = 16;  // as in surfaces
+constexpr std::size_t kSpacingNeighbours = 16;  // the number used by surfaces
 constexpr std::size_t kDensityPlaces = 2000;
 constexpr std::size_t kNormals = 30000;  // samples with estimated normals in the search for creases
 constexpr std::size_t kMostPlaces = 500;

@@ -55,7 +55,7 @@ constexpr double kReach = 1.25, kBallsOff = 1.3;
 /// Borders of materials end with the inner part of the balls, since feet farther out may be undefined.
 constexpr double kInner = 0.8;
 constexpr double kSteepness = 0.35;    // β₂
-constexpr double kLeastBorder = 0.15;  // of the largest gradient (without the top thousandth of the samples)
+constexpr double kLeastBorder = 0.15;  // relative to the largest gradient (without the top thousandth of the samples)
 constexpr double kOutOfNoise = 4;      // times the median gradient
 /// Shares of the local maximum above which a sample has a weight, and a ball.
 constexpr double kCounts = 0.3, kOnRidge = 0.8;

@@ -170,7 +170,7 @@ DistanceMap distance_map(const TriangleMesh& part, const SignedDistance& referen
   const std::size_t n = part.vertices.size();
   map.distance.assign(n, std::numeric_limits<float>::quiet_NaN());
   const std::vector<double> weight = weights(part);
-  // Vertices in spatial order make searches short, whatever their order in the mesh.
+  // Spatial order makes searches short for any order of the vertices in the mesh.
   const KdTree tree(part.vertices);
   std::vector<std::uint32_t> order;
   order.reserve(n);

@@ -37,7 +37,7 @@ std::uint64_t place_hash(const Vec3& x) {
   return h;
 }
 
-// A subset of the samples as a volume of its own, in which the samples left out are no neighbours.
+// A subset of the samples as a separate volume, in which the samples left out are no neighbours.
 struct TestVolume {
   SampledVolume volume;
   std::vector<std::uint32_t> samples;   // their indices in the whole volume, ascending
@@ -172,7 +172,7 @@ struct AmlsReach {
   std::vector<std::uint64_t> first{0};
   std::vector<std::uint32_t> columns;
   std::vector<float> squares;  // local squared distances
-  std::vector<float> rises;    // of the polynomials: all components of an entry
+  std::vector<float> rises;    // values of the polynomials: all components of an entry
 };
 
 AmlsReach reach_of(const SampledVolume& whole, const TestVolume& test, const LocalPolynomials& local,

@@ -93,7 +93,7 @@ SampledVolume lattice_volume(const GridBlock& block, bool in_cells) {
     for (std::size_t i = 1; i < axis.size(); ++i) of_axis.push_back(axis[i] - axis[i - 1]);
   }
   const double typical = median(of_axis);
-  std::array<std::size_t, 3> copies{1, 1, 1};  // of a single layer
+  std::array<std::size_t, 3> copies{1, 1, 1};  // repetitions of a single layer
   std::array<std::size_t, 3> rows{};
   for (std::size_t k = 0; k < 3; ++k) {
     std::vector<double> axis = block.axes[k];

@@ -41,7 +41,7 @@ class CellAgreement {
   void ask_corners(const VolumeValues& values, const Polynomials& p, std::span<const std::uint8_t> split);
 
   const SampledVolume* volume_ = nullptr;
-  Adjacency cells_;            // of samples
+  Adjacency cells_;            // cells of each sample
   std::vector<Share> shares_;  // per corner of cells, in the order of CellList
 };
 

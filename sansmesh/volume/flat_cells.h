@@ -19,7 +19,7 @@ struct FlatCell {
 
 /// Replaces each point of `gathered`, which has no cells yet, by two, offset by half the thickness to both sides, and
 /// adds the flat cells as hexahedra and wedges between them. The thickness is the median edge length over all blocks.
-/// Cells connected by edges have consistent sides, whatever the orientation of their corners; unconnected parts have
+/// Cells connected by edges have consistent sides for any orientation of their corners; unconnected parts have
 /// the same sides if they are planar. Coincident points are moved equally. Adds to facts: layer.
 void thicken(const std::vector<FlatCell>& cells, bool centers, GatheredCells& gathered, VolumeFacts& facts);
 

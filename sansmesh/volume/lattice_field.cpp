@@ -63,7 +63,7 @@ class LatticeField final : public PointwiseField {
     // Fast path for pictures: a value and its gradient at many points.
     const Lattice& lattice = *volume().lattice;
     parallel_ranges(0, x.size(), kLatticeGrain, [&](std::size_t first, std::size_t last) {
-      const double slack = 1e-9 * bounds().diagonal();  // as the locator
+      const double slack = 1e-9 * bounds().diagonal();  // the locator's tolerance
       std::vector<Vec3> outside;
       std::vector<std::size_t> of;
       for (std::size_t i = first; i < last; ++i) {

@@ -13,7 +13,7 @@ namespace sansmesh::inline v1 {
 /// so the orthogonal polynomials are products of univariate ones, computed once for each coordinate of an axis; a fit
 /// is three short passes over the stencil. Degrees, steps and trust are as for other grids, except that h_ii assumes
 /// equal steps and that single outliers are not detected. Along axes with fewer samples powers stay below the number of
-/// samples: across two layers polynomials are linear, whatever their (total) degree.
+/// samples: across two layers polynomials are linear for every (total) degree.
 LocalPolynomials fit_lattice_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                          const LocalPolynomialOptions& options, Progress& progress);
 

@@ -42,7 +42,7 @@ class LinearField final : public detail::LocatedField {
   /// Fast path for lattices with few components.
   template <std::size_t N>
   void in_lattice(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
-    const double slack = 1e-9 * bounds().diagonal();  // as the locator
+    const double slack = 1e-9 * bounds().diagonal();  // the locator's tolerance
     const std::vector<std::uint32_t> order = locality_order(x);
     parallel_ranges(0, x.size(), kInLattice, [&](std::size_t first, std::size_t last) {
       std::array<double, N> value_store;

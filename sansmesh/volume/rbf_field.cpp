@@ -248,7 +248,7 @@ class RbfSystems {
   std::array<std::size_t, 3> kinds_{};
   std::vector<Stencil> stencils_;     // for uniform lattices
   Adjacency nodes_;                   // for all others
-  std::vector<float> reach_;          // of weights; empty if it is kBlendReach for all
+  std::vector<float> reach_;          // end of the weights; empty if it is kBlendReach for all
   std::vector<double> coefficients_;  // a system's nodes, then its tail, with adjacent components
 };
 

@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 
 /// Maps an offset from a sample (length) to local coordinates u = M d in which the neighbouring samples are in the unit
-/// ball, whatever the aspect ratio of the cells: the local norm is ‖u‖. Rows of M; M = diag(1 / extent) E with
+/// ball for every aspect ratio of the cells: the local norm is ‖u‖. Rows of M; M = diag(1 / extent) E with
 /// orthonormal E.
 struct StarMetric {
   std::array<Vec3f, 3> rows{};

@@ -25,7 +25,7 @@ struct StencilFitOptions {
 ///   Σ ψ_j²/⟨ψ_j, ψ_j⟩: it is large in undetermined directions),
 /// - and the mean squared leave-one-out error (weighted; e_i / (1 − h_ii), without refits) falls by a tenth.
 /// A step between materials is detected where more than a hundredth of the variance stays unexplained and the values
-/// form two groups with a gap that is three times as wide as any other and a third of their range (or, whatever the
+/// form two groups with a gap that is three times as wide as any other and a third of their range (or, for any
 /// variance, twenty times as wide). Then only the group of the sample itself counts (robust), unless it is planar: it
 /// would not determine slopes across its plane. Afterwards, if a residual exceeds five deviations (the median of all
 /// over 0.6745), weights become w_i ψ'(e_i²) = w_i exp(−e_i² / (2 σ²)), w_i the distance weights and e_i the residuals

@@ -43,7 +43,7 @@ TEST(AdviseVolume, CoarseLatticesWithStepsHaveBordersFirst) {
   ASSERT_FALSE(list.empty());
   EXPECT_EQ(list[0].aim, VolumeAim::border);
   EXPECT_TRUE(find(list, VolumeAim::surface)->by_samples);
-  // In flat cells layers of samples fall apart: surfaces use the reconstruction, whatever the values.
+  // In flat cells layers of samples fall apart: surfaces use the reconstruction for all values.
   offer.lattice = false;
   EXPECT_EQ(find(advise_volume(offer), VolumeAim::border), nullptr);
   EXPECT_FALSE(find(advise_volume(offer), VolumeAim::surface)->by_samples);
