@@ -53,9 +53,8 @@ bool ConvexCell::cut(const Vec3& normal, double offset, std::uint32_t label) {
   for (const Face& face : old_faces_) {
     const auto begin = static_cast<std::uint32_t>(loops_.size());
     const std::uint32_t* const ring = old_loops_.data() + face.begin;
-    std::uint32_t leaving = kGone,
-                  pending =
-                      kGone;  // where the ring leaves the half-space, and where it first returned without having left
+    // Vertices where the ring leaves the half-space, and where it first returned without having left.
+    std::uint32_t leaving = kGone, pending = kGone;
     for (std::uint32_t k = 0; k < face.count; ++k) {
       const std::uint32_t a = ring[k], b = ring[k + 1 < face.count ? k + 1 : 0];
       const bool a_in = renamed_[a] != kGone, b_in = renamed_[b] != kGone;
