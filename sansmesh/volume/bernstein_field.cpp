@@ -55,13 +55,11 @@ double bernstein_cubic(std::span<const Vec3, 4> corners, std::span<const double,
   return value;
 }
 
-/// A cubic on each tetrahedron by 20 control values: the samples; on edges from the gradients at both ends; on faces a
-/// quarter of the sum of the six edge values minus a sixth of the sum of the three corner values. These depend only on
-/// the face: the spline is continuous, its derivatives are continuous at samples and along edges but not quite across
-/// faces. Quadratic functions are reproduced where the gradients are exact for them (sample_gradients.h; on lattices
-/// parabolas through three samples). Other cells are split into tetrahedra consistently on both sides of a face
-/// (cell_tetrahedra.h; lattice cells into six around their main diagonal). Cell data are converted to corner values
-/// (corner_volume.h).
+/// A cubic on each tetrahedron by 20 control values from the samples and their gradients
+/// (docs/methods/volume-baselines.md). Control values on a face depend only on the face: the spline is continuous, with
+/// continuous derivatives at samples and along edges but not quite across faces. Quadratic functions are reproduced
+/// where the gradients are exact for them (sample_gradients.h). Other cells are split into tetrahedra
+/// (cell_tetrahedra.h); cell data are converted to corner values (corner_volume.h).
 class BernsteinTetrahedra final : public PointwiseField {
  public:
   BernsteinTetrahedra(std::shared_ptr<const SampledVolume> tetrahedra, VolumeValues values, std::vector<Vec3> slopes)

@@ -53,18 +53,14 @@ struct LocalPolynomialOptions {
 };
 
 /// Fits polynomials at all samples of a volume that is no lattice (docs/methods/volume-reconstruction.md). A stencil
-/// consists of as many whole rings of the mesh as contain twice the number of polynomials of the highest degree. `mls`
-/// fits at each query point; here fits are at the samples and blended, which needs a thousand times fewer systems,
-/// gives a smooth result, and chooses the degree where residuals exist. Runs in parallel.
+/// consists of as many whole rings of the mesh as contain twice the number of polynomials of the highest degree. Runs
+/// in parallel.
 ///
-/// trust: the polynomials of a sample and each neighbour are compared half-way between them. With a = difference of
-/// their mean from linear interpolation there and b = half the difference between them, summed over the star, trust is
-/// Σ a² / Σ (a² + 5/2 b² + g a²): this share is the best use of a correction of size a with an error of size b; if both
-/// are rounding, it is 1. The centres of the sample's cells count as much as its edges in both sums, with b the
-/// difference of the own polynomial to the mean of the corners' there (CellAgreement). So under-resolved data fall back
-/// on linear interpolation. g > 0 where the second differences along an edge follow only from differences along much
-/// shorter edges, and a is large compared with the differences of neighbours (docs/methods/volume-reconstruction.md):
-/// polynomials with common samples have common errors there.
+/// trust: polynomials of neighbours are compared half-way between the samples and at cell centres (CellAgreement). With
+/// a = correction of linear interpolation by their mean and b = half their difference, trust is Σ a² / Σ (a² + 5/2 b² +
+/// g a²), the best share of a correction of size a with an error of size b; 1 if both are rounding. g > 0 where the
+/// samples do not resolve the second differences along an edge. So under-resolved data fall back on linear
+/// interpolation.
 LocalPolynomials fit_local_polynomials(const SampledVolume& volume, const VolumeValues& values,
                                        const LocalPolynomialOptions& options, Progress& progress);
 /// The same with given metrics.

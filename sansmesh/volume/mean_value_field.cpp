@@ -16,9 +16,8 @@ namespace detail {
 namespace {
 
 /// f(x) = Σ λ_c(x) f_c over the corners of the cell around x, convex or not. Quadrilateral faces are split into two
-/// triangles, consistently on both sides; these triangles also decide which cell contains x. Interpolates, is
-/// continuous and reproduces linear functions; in tetrahedra it is linear interpolation. Cell data are converted to
-/// corner values (corner_volume.h).
+/// triangles, which also decide which cell contains x. In tetrahedra it is linear interpolation. Cell data are
+/// converted to corner values (corner_volume.h).
 class MeanValueField final : public WeightedField {
  public:
   /// `cut`: the cells as tetrahedra; not needed for a lattice.

@@ -252,13 +252,11 @@ class RbfSystems {
   std::vector<double> coefficients_;  // a system's nodes, then its tail, with adjacent components
 };
 
-/// f(x) = Σ W_i(x) s_i(x) / Σ W_i(x): s_i interpolates the samples with t_i < R/√3 around sample i (SampleSupports: the
-/// distance follows the local spacing in each direction), at most the nearest 120, by Wendland's C⁴ functions in that
-/// distance, three times as wide, and a linear function; W_i = (1 − t)⁴₊ (4t + 1), t = t_i / 1.05, with a smaller reach
-/// where the next sample is nearer. Interpolates, reproduces linear functions, and has continuous derivatives. Gaps are
-/// filled as in shepard_field.cpp. Memory: on uniform lattices coefficients are computed on demand, with almost no
-/// storage; otherwise about 12 bytes for each of the 25 to 40 samples around each sample, and 8 more for each further
-/// component. `radius` R in spacings, 1..3; values below 1.05 √3 count as that.
+/// f(x) = Σ W_i(x) s_i(x) / Σ W_i(x) (docs/methods/volume-baselines.md): s_i interpolates the samples with t_i < R/√3
+/// around sample i (SampleSupports), at most the nearest 120. W_i = (1 − t)⁴₊ (4t + 1), t = t_i / 1.05, with a smaller
+/// reach where the next sample is nearer. Memory: almost none on uniform lattices; otherwise about 12 bytes for each of
+/// the 25 to 40 samples around each sample, and 8 more for each further component. `radius` R in spacings, 1..3; values
+/// below 1.05 √3 count as that.
 class RbfField final : public PointwiseField {
  public:
   RbfField(std::shared_ptr<const SampledVolume> sampled, VolumeValues values, double reach, Progress& progress)

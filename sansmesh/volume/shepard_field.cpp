@@ -15,11 +15,10 @@ namespace {
 constexpr double kFillWeight = 1e-8;
 constexpr double kAtSample = 1e-7;  ///< in units of the support
 
-/// f(x) = Σ w_i f_i / Σ w_i, w_i = ((R − t_i)₊ / (R t_i))² with the distances t_i of SampleSupports, which follow the
-/// local spacing in each direction. Interpolates, with zero gradients at the samples; values are within the range of
-/// the samples around. `radius` R in spacings, 1..10: multiples of the distance of neighbours on a lattice; at least √3
-/// is needed to cover the cells around a sample, and smaller values count as √3. Linear interpolation in the cell fills
-/// gaps of the supports (slivers between scattered samples): it is part of the sum everywhere, with the weight 1e-8.
+/// f(x) = Σ w_i f_i / Σ w_i, w_i = ((R − t_i)₊ / (R t_i))² with the distances t_i of SampleSupports
+/// (docs/methods/volume-baselines.md). `radius` R in spacings, 1..10; at least √3 is needed to cover the cells around a
+/// sample, and smaller values count as √3. Linear interpolation in the cell fills gaps of the supports: it is part of
+/// the sum everywhere, with the weight 1e-8.
 class ShepardField final : public WeightedField {
  public:
   ShepardField(std::shared_ptr<const SampledVolume> sampled, VolumeValues values, double reach)

@@ -89,15 +89,9 @@ struct NaturalNeighbour {
   Vec3 moment;  ///< ∫ (p − x) dA over the face
 };
 
-/// f(x) = Σ u_i(x) f_i / Σ u_i(x): u_i is the volume that a new sample at x would take from the Voronoi cell of sample
-/// i. The new cell is a box cut by the bisectors between x and samples until no sample is nearer to a corner than x; it
-/// is then split among its neighbours. The gradient is that of the volumes, ∇u_i = ∫ (p − x) dA / ‖x_i − x‖ over the
-/// face between x and x_i (piper1993).
-///
-/// Interpolating and continuous; continuously differentiable except at the samples, where the gradient is a mean of
-/// nearby ones. Reproduces linear functions except in a thin layer along the convex hull of the samples (cells are cut
-/// off ten diagonals outside the box). Neighbours are those in space: gaps of the mesh between them have no effect.
-/// Cell data receive additional samples at the volume's surface (corner_volume.h).
+/// f(x) = Σ u_i(x) f_i / Σ u_i(x), u_i the volume that a new sample at x would take from the Voronoi cell of sample i,
+/// with the gradients of piper1993 (docs/methods/volume-baselines.md). Gaps of the mesh between neighbours have no
+/// effect. Cell data receive additional samples at the volume's surface (corner_volume.h).
 class SibsonField final : public WeightedField {
  public:
   SibsonField(std::shared_ptr<const SampledVolume> sampled, VolumeValues values)

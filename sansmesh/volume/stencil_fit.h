@@ -18,20 +18,13 @@ struct StencilFitOptions {
   double width = 1.1;
 };
 
-/// Weighted least squares in orthogonal polynomials over a stencil (tejada2008, 3.3, 6.2), of the degree that predicts
-/// best: the degree increases as long as
-/// - there are 1.5 samples per polynomial,
-/// - unit noise at the samples stays below four at all points where the polynomial is used (variance of predictions,
-///   Σ ψ_j²/⟨ψ_j, ψ_j⟩: it is large in undetermined directions),
-/// - and the mean squared leave-one-out error (weighted; e_i / (1 − h_ii), without refits) falls by a tenth.
-/// A step between materials is detected where more than a hundredth of the variance stays unexplained and the values
-/// form two groups with a gap that is three times as wide as any other and a third of their range (or, for any
-/// variance, twenty times as wide). Then only the group of the sample itself counts (robust), unless it is planar: it
-/// would not determine slopes across its plane. Afterwards, if a residual exceeds five deviations (the median of all
-/// over 0.6745), weights become w_i ψ'(e_i²) = w_i exp(−e_i² / (2 σ²)), w_i the distance weights and e_i the residuals
-/// f_i − p(u_i) of the previous fit over all components; σ is three deviations of the fit where they were smallest.
-/// Orthogonalisation and fit are repeated until no weight changes by more than a hundredth of w_i, at most ten times.
-/// The sample itself keeps its weight.
+/// Weighted least squares in orthogonal polynomials over a stencil, with adaptive degree and robust weights
+/// (tejada2008, 3.3, 6.2; docs/methods/volume-reconstruction.md).
+/// - The degree increases while there are 1.5 samples per polynomial, the variance of predictions Σ ψ_j²/⟨ψ_j, ψ_j⟩ at
+/// the
+///   test points stays bounded, and the leave-one-out error falls by a tenth.
+/// - At a step between materials only the samples on the side of the sample itself count, unless they are coplanar.
+/// - Outliers receive smaller weights, iteratively. The sample itself keeps its weight.
 ///
 /// One object per thread; it reuses memory.
 class StencilFit {

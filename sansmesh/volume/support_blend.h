@@ -17,17 +17,12 @@ namespace sansmesh::inline v1 {
 std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynomials& polynomials, double reach);
 
 /// F(x) = Σ_i w_i(x) p_i(x) / Σ_i w_i(x) over the samples whose ellipsoids contain x, r = ‖M_i (x − x_i)‖ / radius_i <
-/// 1, w = (1 − r²)⁴. Continuous wherever the mesh is connected, also across block borders and levels. A support does
-/// not cross gaps: in a cell only samples within kRings mesh edges of the cell's own samples count. Outside the volume:
-/// the value at its nearest point.
+/// 1, w = (1 − r²)⁴. Terms of degree 2 and more are multiplied by the polynomials' `trust`. For cell data linear
+/// interpolation replaces untrusted polynomials (docs/methods/volume-reconstruction.md).
 ///
-/// Terms of degree 2 and more are multiplied by the polynomials' `trust`.
-///
-/// For cell data linear interpolation L replaces untrusted polynomials: F = (1 − s) Σ w p / Σ w + s L, s = (1 − trust)²
-/// at the samples, the mean of the adjacent samples at cell corners, interpolated as L in between. At corners on the
-/// surface of the volume, beyond the samples, s is at least Σ 5/2 (a − b)² / Σ (a² + 5/2 (a − b)²), a the correction of
-/// L by the polynomials of the cells there, b the same by the next samples. s is 0 where it would be below a hundredth,
-/// and in cells with partial faces (borders of levels and blocks), where L is not continuous.
+/// Continuous wherever the mesh is connected, also across block borders and levels. A support does not cross gaps: in a
+/// cell only samples within kRings mesh edges of the cell's own samples count. Outside the volume: the value at its
+/// nearest point.
 std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVolume> volume,
                                                 std::shared_ptr<const VolumeLocator> locator,
                                                 LocalPolynomials polynomials, SharedArray<float> radii,
