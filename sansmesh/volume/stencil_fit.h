@@ -20,9 +20,8 @@ struct StencilFitOptions {
 
 /// Weighted least squares in orthogonal polynomials over a stencil, with adaptive degree and robust weights
 /// (tejada2008, 3.3, 6.2; docs/methods/volume-reconstruction.md).
-/// - The degree increases while there are 1.5 samples per polynomial, the variance of predictions Σ ψ_j²/⟨ψ_j, ψ_j⟩ at
-/// the
-///   test points stays bounded, and the leave-one-out error falls by a tenth.
+/// - The degree increases while there are 1.5 samples per polynomial, the variance Σ ψ_j²/⟨ψ_j, ψ_j⟩ of predictions at
+///   the test points stays bounded, and the leave-one-out error falls by a tenth.
 /// - At a step between materials only the samples on the side of the sample itself count, unless they are coplanar.
 /// - Outliers receive smaller weights, iteratively. The sample itself keeps its weight.
 ///
