@@ -1,30 +1,23 @@
-// Meshes and point samples of volume surfaces.
+#include "sansmesh/dataset/mesh_volume_surface.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/dataset/layer_fields.h"
-#include "sansmesh/dataset/volume_surface_state.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/points/poisson_discs.h"
-#include "sansmesh/search/ball_tree.h"
-#include "sansmesh/triangulation/divide_blocks.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Edge of blocks over the spacing, and radius of the balls filled with fine blocks over those of the domain.
-constexpr double kBlockEdge = 2.1, kBlockReach = 0.6;
-constexpr int kDeepestBlocks = 13;
-constexpr double kAround = 4;        // margin of the cube of blocks beyond the layer, in spacings
 constexpr double kMeshError = 0.02;  // in spacings
 /// Smallest extent of mesh parts along some axis, over the width h of the weights: weights do not resolve smaller
 /// closed parts without a sample inside, and beginnings of borders.
@@ -90,27 +83,6 @@ std::size_t drop_unresolved(TriangleMesh& mesh, const BallUnion& balls, std::spa
 
 }  // namespace
 
-BlockTree VolumeSurface::blocks() const {
-  const BallUnion& balls = state_->balls;
-  std::vector<float> radii = balls.radii;
-  for (float& r : radii) r *= static_cast<float>(kBlockReach);
-  const BallTree near(balls.centers, radii);
-  const Vec3 size = state_->projection->bounds().size();
-  // The surface must not reach the cube's faces, where it would be closed.
-  const double edge =
-      std::max({size.x, size.y, size.z}) + 2 * kAround * state_->place.from_input(state_->report.spacing);
-  BlockTree tree(state_->projection->bounds().center() - Vec3{edge, edge, edge} * 0.5, edge);
-  divide_blocks(tree, kDeepestBlocks, [&](std::size_t block, std::vector<std::uint32_t>& touched) {
-    const double half = tree.block_edge(block) / 2;
-    const Vec3 center = tree.block_center(block), h{half, half, half};
-    near.touching({Vec3f(center - h), Vec3f(center + h)}, touched);
-    float least = std::numeric_limits<float>::infinity();
-    for (const std::uint32_t t : touched) least = std::min(least, state_->spacing[t]);
-    return !touched.empty() && 2 * half > kBlockEdge * static_cast<double>(least);
-  });
-  return tree;
-}
-
 TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions& meshing, Progress& progress,
                                  MeshReport* report) {
   meshing.validate();
@@ -126,7 +98,7 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   const BlockTree blocks = surface.blocks();
   PolygonizeOptions polygonize = detail::meshing_options(own, error, false);
   const bool iso = surface.options().kind == VolumeSurfaceOptions::Kind::isovalue;
-  const LayerDomain domain(*surface.state_->domain, iso ? nullptr : &surface.balls());
+  const LayerDomain domain(surface.domain(), iso ? nullptr : &surface.balls());
   polygonize.domain = &domain;
   TriangleMesh mesh = detail::cut_out(surface.field(), blocks, own, polygonize, progress, r);
   if (mesh.triangles.empty()) throw DataError("has no such surface");
@@ -155,8 +127,8 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
                                     surface.report().spacing / kMostAlong, kMostAlong));
   const Placement& place = surface.place();
   const double apart = place.from_input(distance.value_or(surface.report().spacing));
-  const BallUnion& places = surface.state_->places;
-  const std::vector<float>& spacings = surface.state_->place_spacing;
+  const BallUnion& places = surface.sample_balls();
+  const std::span<const float> spacings = surface.sample_spacing();
   progress.begin("project", places.centers.size());
   std::vector<Vec3> feet, normals;
   std::vector<Vec3f> x;
@@ -168,7 +140,7 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
     for (const FootPoint& f : find_feet(surface.projection(), x, around).feet)
       found.push_back(f.position), facing.push_back(f.normal);
     std::vector<std::uint8_t> inside(found.size());
-    surface.state_->domain->locate(found, inside);
+    surface.domain().locate(found, inside);
     for (const std::uint32_t i : poisson_discs(found, kThinned * apart)) {
       if (inside[i] == 0) continue;
       feet.push_back(found[i]);

@@ -4,16 +4,19 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dataset/layer_fields.h"
 #include "sansmesh/dataset/volume_layer.h"
-#include "sansmesh/dataset/volume_surface_state.h"
 #include "sansmesh/error.h"
 #include "sansmesh/points/poisson_discs.h"
+#include "sansmesh/search/ball_tree.h"
 #include "sansmesh/search/kd_tree.h"
+#include "sansmesh/surface/layer_projection.h"
+#include "sansmesh/triangulation/divide_blocks.h"
 #include "sansmesh/volume/sample_slopes.h"
 
 namespace sansmesh::inline v1 {
@@ -22,6 +25,10 @@ namespace {
 /// h over the spacing without noise; its growth with the displacement of an isosurface by noise, in spacings; and its
 /// upper bound.
 constexpr double kWidth = 2, kWiden = 4, kMostWidth = 4;
+/// Edge of blocks over the spacing, and radius of the balls filled with fine blocks over those of the domain.
+constexpr double kBlockEdge = 2.1, kBlockReach = 0.6;
+constexpr int kDeepestBlocks = 13;
+constexpr double kAround = 4;  // margin of the cube of blocks beyond the layer, in spacings
 /// Radius of the domain's balls over the spacing.
 constexpr double kReach = 1.25;
 /// Distance between feet() in spacings.
@@ -77,6 +84,22 @@ LayerSamples layer_of(const std::vector<WeightedSample>& chosen, const SampledVo
 }
 
 }  // namespace
+
+struct VolumeSurface::State {
+  std::shared_ptr<const SampledVolume> volume;
+  Placement place;
+  VolumeSurfaceOptions options;
+  VolumeSurfaceReport report;
+  std::optional<LayerProjection> projection;
+  SurfaceFeet feet;                         ///< feet of `places`
+  std::unique_ptr<const ScalarField> side;  ///< of points outside the balls
+  BallUnion places;                         ///< samples next to the surface, with a ball around each
+  std::vector<float> place_spacing;         ///< spacing at `places`
+  std::unique_ptr<const VolumeDomain> domain;
+  std::unique_ptr<const ScalarField> field;
+  BallUnion balls;
+  std::vector<float> spacing;
+};
 
 VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, std::span<const double> values,
                                   double noise, const VolumeSurfaceOptions& options, Progress& progress) {
@@ -156,6 +179,9 @@ const Projection& VolumeSurface::projection() const { return *state_->projection
 const ScalarField& VolumeSurface::field() const { return *state_->field; }
 const BallUnion& VolumeSurface::balls() const { return state_->balls; }
 std::span<const float> VolumeSurface::spacing() const { return state_->spacing; }
+const BallUnion& VolumeSurface::sample_balls() const { return state_->places; }
+std::span<const float> VolumeSurface::sample_spacing() const { return state_->place_spacing; }
+const VolumeDomain& VolumeSurface::domain() const { return *state_->domain; }
 PointSet VolumeSurface::feet() const {
   std::vector<Vec3> positions;
   positions.reserve(state_->feet.feet.size());
@@ -171,5 +197,26 @@ PointSet VolumeSurface::feet() const {
 }
 const VolumeSurfaceOptions& VolumeSurface::options() const { return state_->options; }
 const VolumeSurfaceReport& VolumeSurface::report() const { return state_->report; }
+
+BlockTree VolumeSurface::blocks() const {
+  const BallUnion& balls = state_->balls;
+  std::vector<float> radii = balls.radii;
+  for (float& r : radii) r *= static_cast<float>(kBlockReach);
+  const BallTree near(balls.centers, radii);
+  const Vec3 size = state_->projection->bounds().size();
+  // The surface must not reach the cube's faces, where it would be closed.
+  const double edge =
+      std::max({size.x, size.y, size.z}) + 2 * kAround * state_->place.from_input(state_->report.spacing);
+  BlockTree tree(state_->projection->bounds().center() - Vec3{edge, edge, edge} * 0.5, edge);
+  divide_blocks(tree, kDeepestBlocks, [&](std::size_t block, std::vector<std::uint32_t>& touched) {
+    const double half = tree.block_edge(block) / 2;
+    const Vec3 center = tree.block_center(block), h{half, half, half};
+    near.touching({Vec3f(center - h), Vec3f(center + h)}, touched);
+    float least = std::numeric_limits<float>::infinity();
+    for (const std::uint32_t t : touched) least = std::min(least, state_->spacing[t]);
+    return !touched.empty() && 2 * half > kBlockEdge * static_cast<double>(least);
+  });
+  return tree;
+}
 
 }  // namespace sansmesh::inline v1

@@ -4,19 +4,16 @@
 
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
+#include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
-#include "sansmesh/mesh_options.h"
 #include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/report.h"
 #include "sansmesh/sampled_volume.h"
-#include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
 #include "sansmesh/volume_options.h"
 
@@ -38,6 +35,10 @@ class VolumeSurface {
   const BallUnion& balls() const;
   /// Spacing of the samples around the balls' centres.
   std::span<const float> spacing() const;
+  /// The samples next to the surface, with a ball around each, and their spacing.
+  const BallUnion& sample_balls() const;
+  std::span<const float> sample_spacing() const;
+  const VolumeDomain& domain() const;
   /// Feet of the samples next to the surface, at least 0.75 spacings apart, with normals: the basis of curvatures and
   /// sharp normals.
   PointSet feet() const;
@@ -50,8 +51,6 @@ class VolumeSurface {
  private:
   friend VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume>, std::span<const double>, double,
                                            const VolumeSurfaceOptions&, Progress&);
-  friend TriangleMesh mesh_volume_surface(const VolumeSurface&, const MeshOptions&, Progress&, MeshReport*);
-  friend PointSet sample_volume_surface(const VolumeSurface&, std::optional<double>, Progress&);
   struct State;
   explicit VolumeSurface(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
@@ -62,15 +61,5 @@ class VolumeSurface {
 /// surface.
 VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, std::span<const double> values,
                                   double noise, const VolumeSurfaceOptions& options, Progress& progress);
-
-/// A mesh in input coordinates, closed where the surface is; vertex normals point to smaller values. The sample options
-/// of `meshing` (trim, colours, confidence) have no effect; automatic `components` removes parts smaller than the width
-/// of the weights, with a warning. Throws DataError if the surface is empty.
-TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions& meshing, Progress& progress,
-                                 MeshReport* report = nullptr);
-
-/// Evenly spread points with normals in input coordinates, for splats. `distance` between points: a length, at least an
-/// eighth of the spacing; default: the spacing. Throws ArgumentError for other distances.
-PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<double> distance, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-#include "sansmesh/dataset/volume_surface.h"
+#include "sansmesh/dataset/mesh_volume_surface.h"
 
 #include <gtest/gtest.h>
 
