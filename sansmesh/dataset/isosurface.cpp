@@ -7,9 +7,10 @@
 #include <limits>
 #include <utility>
 
-#include "sansmesh/core/binary_scale.h"
+#include "sansmesh/core/median.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/dataset/level_scale.h"
 #include "sansmesh/error.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/mesh/mesh_size.h"
@@ -136,25 +137,14 @@ Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_
       domain_(*volume_, place_),
       ranges_(*volume_, sample_value, place_) {
   if (!std::isfinite(value)) throw ArgumentError("`value` must be finite");
-  std::vector<Vec3> places = ranges_.places_of(value);
+  const std::vector<Vec3> places = ranges_.places_of(value);
   if (places.empty()) {
-    const ValueRange all = ranges_.around({}, 2);
-    const double beyond = ValueRanges::kBeyond * (all.most - all.least) / (1 + 2 * ValueRanges::kBeyond);
+    const ValueRange all = ranges_.of_samples();
     throw DataError(fmt::format("has no surface of the value {:.6g}: values lie between about {:.6g} and {:.6g}", value,
-                                all.least + beyond, all.most - beyond));
+                                all.least, all.most));
   }
-  const std::size_t stride = 1 + places.size() / kSlopes;
-  std::vector<Vec3> some;
-  for (std::size_t i = 0; i < places.size(); i += stride) some.push_back(place_.to_input(places[i]));
-  std::vector<Vec3> gradients(some.size());
-  field_->evaluate(some, {{}, gradients});
-  std::vector<double> slopes;
-  for (const Vec3& g : gradients)
-    if (const double slope = long_norm(g); slope > 0) slopes.push_back(slope);
-  if (slopes.empty()) return;
-  const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
-  std::nth_element(slopes.begin(), middle, slopes.end());
-  slope_ = *middle * place_.unit;
+  std::vector<double> slopes = slopes_at(*field_, places, place_, kSlopes);
+  if (!slopes.empty()) slope_ = median(slopes) * place_.unit;
 }
 
 std::vector<Vec3> Isosurface::in_input(std::span<const Vec3> x) const {
@@ -176,12 +166,8 @@ void Isosurface::evaluate_in_domain(std::span<const Vec3> x, std::span<double> v
 }
 
 void Isosurface::ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const {
-  parallel_for(0, x.size(), 512, [&](std::size_t i) {
-    const ValueRange r = ranges_.around(x[i], radius);
-    // Outside all cells there is no surface.
-    found[i] = r.least > r.most ? ValueRange{1e-9, std::numeric_limits<double>::infinity()}
-                                : ValueRange{(value_ - r.most) / slope_, (value_ - r.least) / slope_};
-  });
+  parallel_for(0, x.size(), 512,
+               [&](std::size_t i) { found[i] = level_range(ranges_.around(x[i], radius), value_, slope_); });
 }
 
 void Isosurface::may_pass(std::span<const Vec3> x, double radius, std::span<std::uint8_t> answers) const {

@@ -39,16 +39,15 @@ class IsosurfaceInTime final : public TimeField {
   double shortest_step() const;   ///< shortest time between two steps
 
   Box3 bounds() const override { return domain_.bounds(); }
-  TimeRange times() const override { return {steps_.front().time, steps_.back().time}; }
+  TimeRange times() const override { return {times_.front(), times_.back()}; }
   void evaluate(std::span<const Vec3> x, std::span<const double> t, std::span<double> values) const override;
   /// Bounds by the samples of the adjacent steps (ValueRanges).
   void ranges(std::span<const Vec3> x, double radius, std::span<const double> t, double duration,
               std::span<ValueRange> found) const override;
 
  private:
-  std::size_t interval_of(double t) const;
-
   std::vector<IsosurfaceStep> steps_;
+  std::vector<double> times_;
   Placement place_;
   double value_, slope_ = 1;
   VolumeDomain domain_;

@@ -233,6 +233,12 @@ ValueRange ValueRanges::around(const Vec3& x, double radius) const {
   return {range.least / scale_, range.most / scale_};
 }
 
+ValueRange ValueRanges::of_samples() const {
+  const ValueRange all = around({}, 2);
+  const double beyond = kBeyond * (all.most - all.least) / (1 + 2 * kBeyond);
+  return {all.least + beyond, all.most - beyond};
+}
+
 std::vector<Vec3> ValueRanges::places_of(double value) const {
   std::vector<Vec3> places;
   if (levels_.empty()) return places;

@@ -26,6 +26,8 @@ class ValueRanges {
 
   /// Range of the cells that the ball meets; {+infinity, −infinity} if it meets none.
   ValueRange around(const Vec3& x, double radius) const;
+  /// Approximate range of all samples.
+  ValueRange of_samples() const;
   /// Whether `value` is in the range of a group of cells that the ball meets; faster than around().
   bool among(const Vec3& x, double radius, double value) const;
   /// Centres of the groups of cells with `value` in their range.

@@ -1,7 +1,5 @@
 #include "sansmesh/dataset/volume_flow.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -12,6 +10,7 @@
 
 #include "sansmesh/core/cancel_scope.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/dataset/step_times.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -60,13 +59,7 @@ class FlowInTime final : public VectorField {
   FlowInTime(std::vector<double> times, std::function<FlowStep(std::size_t)> load, const FlowSeriesOptions& options)
       : times_(std::move(times)), load_(std::move(load)), options_(options) {
     if (times_.size() < 2) throw ArgumentError("a flow in time needs two steps at least");
-    for (std::size_t i = 0; i < times_.size(); ++i) {
-      if (!std::isfinite(times_[i])) throw ArgumentError(fmt::format("the time of step {} is not known", i));
-      if (i > 0 && !(times_[i] > times_[i - 1]))
-        throw ArgumentError(
-            fmt::format("the times of the steps must increase: step {} is of {:.9g}, the one before of {:.9g}", i,
-                        times_[i], times_[i - 1]));
-    }
+    check_step_times(times_);
     bounds_ = steps({0, 1})[0]->bounds();
   }
   ~FlowInTime() override {
@@ -86,7 +79,7 @@ class FlowInTime final : public VectorField {
     std::vector<std::size_t> interval(x.size());
     bool alike = true;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      interval[i] = times().contains(t[i]) ? interval_of(t[i]) : kNever;
+      interval[i] = times().contains(t[i]) ? step_interval(times_, t[i]) : kNever;
       alike = alike && interval[i] == interval[0];
     }
     if (x.empty()) return;
@@ -138,12 +131,6 @@ class FlowInTime final : public VectorField {
     }
     Answers answers() { return {vectors, inside, jacobian}; }
   };
-
-  /// The step at or before a time, except the last.
-  std::size_t interval_of(double t) const {
-    const auto after = std::upper_bound(times_.begin(), times_.end(), t);
-    return std::min(static_cast<std::size_t>(after - times_.begin()), times_.size() - 1) - 1;
-  }
 
   /// Weights of the steps first, first + 1, … at a time in an interval.
   struct Shares {
