@@ -12,6 +12,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
+#include "sansmesh/volume/cell_corners.h"
 #include "sansmesh/volume/support_index.h"
 
 namespace sansmesh::inline v1 {
@@ -102,13 +103,11 @@ void add_test_cells(const SampledVolume& whole, const TestVolume& test, SampledV
   std::vector<std::uint32_t> corners;
   if (whole.lattice) {
     const auto& axes = whole.lattice->axes;
-    const std::size_t nx = axes[0].size(), nxy = nx * axes[1].size();
     for (const std::uint32_t s : test.samples) {
       const auto at = whole.lattice->indices(s);
-      if (at[0] + 1 == nx || at[1] + 1 == axes[1].size() || at[2] + 1 == axes[2].size()) continue;
+      if (at[0] + 1 == axes[0].size() || at[1] + 1 == axes[1].size() || at[2] + 1 == axes[2].size()) continue;
       corners.clear();
-      for (const std::size_t step : {std::size_t{0}, std::size_t{1}, 1 + nx, nx, nxy, nxy + 1, nxy + 1 + nx, nxy + nx})
-        corners.push_back(local(static_cast<std::uint32_t>(s + step)));
+      for (const std::uint32_t corner : corners_of_lattice_cell(*whole.lattice, s)) corners.push_back(local(corner));
       if (std::find(corners.begin(), corners.end(), kElsewhere) == corners.end())
         part.cells.add(CellShape::hexahedron, corners);
     }

@@ -1,6 +1,7 @@
 // Adjacency of cells and points of a volume.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -25,6 +26,18 @@ Adjacency edge_neighbours(const CellList& cells, std::size_t points);
 /// For each face of each cell (slot kMostFaces · cell + face): the first other cell with the same face corners; kNoCell
 /// if there is none, and in unused slots.
 std::vector<std::uint32_t> face_neighbours(const CellList& cells, std::size_t points);
+
+/// The slots of faces without a matching cell, ascending.
+std::vector<std::uint32_t> open_faces(const CellList& cells, std::size_t points);
+
+/// The corners of a face by its slot, as points.
+struct FaceRing {
+  std::array<std::uint32_t, 4> points{};
+  std::size_t count = 0;
+  const std::uint32_t* begin() const { return points.data(); }
+  const std::uint32_t* end() const { return points.data() + count; }
+};
+FaceRing ring_of_face(const CellList& cells, std::uint32_t slot);
 
 /// Links as rows: both directions of each, ascending, without duplicates and self-links.
 Adjacency symmetric_links(std::span<const std::uint64_t> links, std::size_t rows);

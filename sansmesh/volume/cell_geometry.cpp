@@ -150,22 +150,26 @@ bool CellMap::invert(Vec3& u) const {
     u = Matrix3{a_[1], a_[2], a_[3]}.solve(-a_[0]);
     return is_finite(u);
   }
-  constexpr double kFar = 1;  // beyond the cube: convergence into the cell is excluded
   u = shape_ == CellShape::wedge ? Vec3{1.0 / 3, 1.0 / 3, 0.5} : Vec3{0.5, 0.5, 0.5};
+  return newton({}, u);
+}
+
+bool CellMap::newton(const Vec3& x, Vec3& u) const {
+  constexpr double kFar = 1;  // beyond the cube: convergence into the cell is excluded
   int far = 0;
+  if (!is_finite(u)) return false;
   for (int step = 0; step < 16; ++step) {
-    const auto d = derivatives(u);
-    const Vec3 move = Matrix3{d[0], d[1], d[2]}.solve(at(u));
-    if (!is_finite(move)) return false;
-    u -= move;
-    const double most = std::max({std::abs(move.x), std::abs(move.y), std::abs(move.z)});
-    if (most < 1e-7) return true;  // errors are squared in each step
     bool out = false;
     for (std::size_t k = 0; k < 3; ++k) {
       if (u[k] < -kFar || u[k] > 1 + kFar) out = true;
       u[k] = std::clamp(u[k], -kFar, 1 + kFar);
     }
     if (out && ++far == 3) return false;
+    const auto d = derivatives(u);
+    const Vec3 move = Matrix3{d[0], d[1], d[2]}.solve(at(u) - x);
+    if (!is_finite(move)) return false;
+    u -= move;
+    if (std::max({std::abs(move.x), std::abs(move.y), std::abs(move.z)}) < 1e-7) return true;  // errors are squared
   }
   return false;
 }

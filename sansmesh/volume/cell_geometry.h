@@ -31,6 +31,8 @@ class CellMap {
   /// Solves X(u) = 0 by Newton's method from the centre; false if it does not converge, or converges far outside the
   /// cell.
   bool invert(Vec3& u) const;
+  /// Solves X(u) = x by Newton's method from u; false as invert().
+  bool newton(const Vec3& x, Vec3& u) const;
 
   /// The coefficients of the nonlinear terms.
   struct Curvature {

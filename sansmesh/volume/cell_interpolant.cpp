@@ -61,16 +61,8 @@ CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues
   const std::size_t corners = volume.corners.size(), n = values.components;
   const Adjacency around = cells_of_points(volume.cells, corners);
   outer_.assign(corners, 0);
-  {
-    const auto across = face_neighbours(volume.cells, corners);
-    for (std::size_t c = 0; c < volume.cells.size(); ++c) {
-      const auto faces = cell_faces(volume.cells.shapes[c]);
-      for (std::size_t f = 0; f < faces.size(); ++f) {
-        if (across[kMostFaces * c + f] != kNoCell) continue;
-        for (std::size_t k = 0; k < faces[f].count; ++k) outer_[volume.cells[c][faces[f].corner[k]]] = 1;
-      }
-    }
-  }
+  for (const std::uint32_t face : open_faces(volume.cells, corners))
+    for (const std::uint32_t p : ring_of_face(volume.cells, face)) outer_[p] = 1;
   at_corners_.resize(corners * n);
   parallel_ranges(0, corners, 512, [&](std::size_t first, std::size_t last) {
     std::vector<std::uint32_t> samples;

@@ -1,7 +1,5 @@
 #include "sansmesh/volume/cell_inverse.h"
 
-#include "sansmesh/core/matrix3.h"
-
 namespace sansmesh::inline v1 {
 namespace {
 
@@ -42,26 +40,6 @@ CellInverse::CellInverse(CellShape shape, std::span<const Vec3> corners)
   nearly_linear_ = shape == CellShape::tetrahedron || curved < kNearlyLinear;
   const bool upright = std::max({reach_[0] * norm(d[0]), reach_[1] * norm(d[1]), reach_[2] * norm(d[2])}) < kUpright;
   linear_ = shape == CellShape::tetrahedron || (curved < kLinear && upright);
-}
-
-bool CellInverse::newton(const Vec3& x, Vec3& u) const {
-  constexpr double kFar = 1;  // beyond the cube: convergence into the cell is excluded
-  int far = 0;
-  if (!is_finite(u)) return false;
-  for (int step = 0; step < 16; ++step) {
-    bool out = false;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (u[k] < -kFar || u[k] > 1 + kFar) out = true;
-      u[k] = std::clamp(u[k], -kFar, 1 + kFar);
-    }
-    if (out && ++far == 3) return false;
-    const auto d = map_.derivatives(u);
-    const Vec3 move = Matrix3{d[0], d[1], d[2]}.solve(map_.at(u) - x);
-    if (!is_finite(move)) return false;
-    u -= move;
-    if (std::max({std::abs(move.x), std::abs(move.y), std::abs(move.z)}) < 1e-7) return true;  // errors are squared
-  }
-  return false;
 }
 
 bool CellInverse::may_reach(const Vec3& x, double distance) const {

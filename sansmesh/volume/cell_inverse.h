@@ -24,7 +24,7 @@ class CellInverse {
   /// False if it does not converge, or converges far outside the cell. The result depends only on the corners and x.
   bool invert(const Vec3& x, Vec3& u) const {
     u = guess(x);
-    if (!nearly_linear_) return newton(x, u);
+    if (!nearly_linear_) return map_.newton(x, u);
     if (!linear_) u += by_rows(x - map_.at(u));
     return is_finite(u);
   }
@@ -42,7 +42,6 @@ class CellInverse {
 
  private:
   Vec3 by_rows(const Vec3& d) const { return {dot(rows_[0], d), dot(rows_[1], d), dot(rows_[2], d)}; }
-  bool newton(const Vec3& x, Vec3& u) const;
 
   CellShape shape_ = CellShape::tetrahedron;
   bool linear_ = false, nearly_linear_ = false, solvable_ = false;

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "sansmesh/sampled_volume.h"
+#include "sansmesh/volume/cell_corners.h"
 #include "sansmesh/volume/volume_locator.h"
 
 namespace sansmesh::inline v1 {
@@ -30,11 +31,8 @@ inline VolumePlace place_of_cell(const SampledVolume& volume, std::size_t cell) 
   VolumePlace place;
   place.cell = static_cast<std::uint32_t>(cell);
   if (volume.lattice) {
-    const auto along = static_cast<std::uint32_t>(volume.lattice->axes[0].size());
-    const auto across = along * static_cast<std::uint32_t>(volume.lattice->axes[1].size());
-    const std::uint32_t ring[] = {0, 1, along + 1, along};
     place.corner_count = 8;
-    for (std::size_t v = 0; v < 8; ++v) place.corners[v] = place.cell + ring[v % 4] + (v < 4 ? 0 : across);
+    place.corners = corners_of_lattice_cell(*volume.lattice, cell);
     return place;
   }
   const auto corners = volume.cells[cell];

@@ -132,21 +132,14 @@ CornerSamples with_surface_samples(std::shared_ptr<const SampledVolume> volume, 
   made->cell_sample = volume->cell_sample;
   made->in_cells = true;
   made->facts = volume->facts;
-  const std::vector<std::uint32_t> neighbours = face_neighbours(volume->cells, volume->corners.size());
   std::vector<std::uint8_t> taken(volume->corners.size(), 0);
-  for (std::size_t c = 0; c < volume->cells.size(); ++c) {
-    const auto faces = cell_faces(volume->cells.shapes[c]);
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-      if (neighbours[kMostFaces * c + f] != kNoCell) continue;
-      for (std::size_t k = 0; k < faces[f].count; ++k) {
-        const std::uint32_t corner = volume->cells[c][faces[f].corner[k]];
-        if (std::exchange(taken[corner], std::uint8_t{1})) continue;
-        made->positions.push_back(volume->corners[corner]);
-        const auto value = corners.values.of(corner);
-        values.values.insert(values.values.end(), value.begin(), value.end());
-      }
+  for (const std::uint32_t face : open_faces(volume->cells, volume->corners.size()))
+    for (const std::uint32_t corner : ring_of_face(volume->cells, face)) {
+      if (std::exchange(taken[corner], std::uint8_t{1})) continue;
+      made->positions.push_back(volume->corners[corner]);
+      const auto value = corners.values.of(corner);
+      values.values.insert(values.values.end(), value.begin(), value.end());
     }
-  }
   return {std::move(made), std::move(values)};
 }
 

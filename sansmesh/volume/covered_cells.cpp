@@ -148,18 +148,10 @@ std::vector<std::uint8_t> overlapped_cells(const CellList& cells, const std::vec
     return key(a) < key(b) || (key(a) == key(b) && a < b);  // the same cell in two blocks
   };
   // Faces at which a block ends: a cell that contains part of one is only partly covered.
-  std::vector<std::uint32_t> ends;
-  {
-    const auto across = face_neighbours(cells, points.size());
-    for (std::size_t c = 0; c < n; ++c)
-      for (std::size_t f = 0; f < cell_faces(cells.shapes[c]).size(); ++f)
-        if (across[kMostFaces * c + f] == kNoCell) ends.push_back(static_cast<std::uint32_t>(kMostFaces * c + f));
-  }
+  const std::vector<std::uint32_t> ends = open_faces(cells, points.size());
   const BoxTree end_tree(ends.size(), [&](std::size_t i) {
-    const std::size_t c = ends[i] / kMostFaces;
-    const CellFace& face = cell_faces(cells.shapes[c])[ends[i] % kMostFaces];
     Box3 box;
-    for (std::size_t k = 0; k < face.count; ++k) box.extend(points[cells[c][face.corner[k]]]);
+    for (const std::uint32_t p : ring_of_face(cells, ends[i])) box.extend(points[p]);
     return box;
   });
   parallel_ranges(0, n, 256, [&](std::size_t first, std::size_t last) {

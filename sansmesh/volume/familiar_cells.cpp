@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMost = 65536;  // cached cells, some hundred bytes each
 constexpr int kMostSteps = 6;         // through faces; a search is as fast for longer distances
 /// Cells overlap by rounding. Points with this margin of their parameters are deeper than the overlap.
-constexpr double kRounding = 1e-13;
+constexpr double kCellOverlap = 1e-13;
 
 /// Corners of the faces at the bounds of the parameters. Only for tetrahedra and hexahedra.
 std::size_t side_count(CellShape shape) {
@@ -176,9 +176,9 @@ std::unique_ptr<FamiliarCells::Cell> FamiliarCells::familiar(std::uint32_t numbe
       const Extent here = extent(mine, normal), there = extent(its, normal);
       const double thin = std::min(here.upper - here.lower, there.upper - there.lower);
       const double overlap = here.upper - there.lower;
-      apart = overlap <= kRounding * thin;
+      apart = overlap <= kCellOverlap * thin;
       if (apart) break;
-      if (overlap < least * thin) least = overlap / thin, best = {normal, there.lower - kRounding * thin};
+      if (overlap < least * thin) least = overlap / thin, best = {normal, there.lower - kCellOverlap * thin};
     }
     if (!apart) cell.rivals.push_back(best);
   }

@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/volume/cell_corners.h"
 #include "sansmesh/volume/point_order.h"
 
 namespace sansmesh::inline v1 {
@@ -95,7 +96,8 @@ void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::
       group.out[group.size] = {};
       if (place.inside) continue;
       Vec3 near;
-      for (std::size_t v = 0; v < place.corner_count; ++v) near += corner(place.corners[v]) * place.weights[v];
+      for (std::size_t v = 0; v < place.corner_count; ++v)
+        near += corner_position(*volume_, place.corners[v]) * place.weights[v];
       group.x[group.size] = near;
       group.out[group.size] = s.x[p] - near;
     }

@@ -52,11 +52,6 @@ class GroupedField : public VolumeField, public DegreeField {
   virtual bool goes_on_straight() const { return false; }
 
   const SampledVolume& volume() const { return *volume_; }
-  CellShape shape_of(std::size_t cell) const {
-    return volume_->lattice ? CellShape::hexahedron : volume_->cells.shapes[cell];
-  }
-  /// Position of a cell corner as numbered in VolumePlace.
-  Vec3 corner(std::uint32_t c) const { return volume_->lattice ? volume_->lattice->position(c) : volume_->corner(c); }
 
  private:
   struct Block;

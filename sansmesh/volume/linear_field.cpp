@@ -10,6 +10,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/volume/axis_interval.h"
 #include "sansmesh/volume/box_tree.h"
+#include "sansmesh/volume/cell_corners.h"
 #include "sansmesh/volume/cell_interpolant.h"
 #include "sansmesh/volume/point_order.h"
 #include "sansmesh/volume/pointwise_field.h"
@@ -192,15 +193,11 @@ class LinearField final : public detail::LocatedField {
     std::copy(g.begin(), g.end(), wanted.gradients.begin() + static_cast<std::ptrdiff_t>(3 * i));
   }
 
-  Vec3 corner(const VolumePlace& place, std::size_t c) const {
-    return volume().lattice ? volume().lattice->position(place.corners[c]) : volume().corner(place.corners[c]);
-  }
-
   double shortest_edge(const VolumePlace& place) const {
     double least = std::numeric_limits<double>::infinity();
-    const CellShape shape = volume().lattice ? CellShape::hexahedron : volume().cells.shapes[place.cell];
-    for (const auto& edge : cell_edges(shape))
-      least = std::min(least, squared_norm(corner(place, edge[0]) - corner(place, edge[1])));
+    const auto corner = [&](std::size_t c) { return corner_position(volume(), place.corners[c]); };
+    for (const auto& edge : cell_edges(shape_of_cell(volume(), place.cell)))
+      least = std::min(least, squared_norm(corner(edge[0]) - corner(edge[1])));
     return std::sqrt(least);
   }
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sansmesh/volume/axis_interval.h"
+#include "sansmesh/volume/cell_corners.h"
 #include "sansmesh/volume/cell_tetrahedra.h"
 #include "sansmesh/volume/corner_volume.h"
 #include "sansmesh/volume/mean_value.h"
@@ -43,11 +44,10 @@ class MeanValueField final : public WeightedField {
       }
       constexpr std::array<std::array<std::size_t, 3>, 8> kRing{
           {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}}};
-      std::array<std::uint32_t, 8> samples;
-      const std::size_t nx = lattice.axes[0].size(), ny = lattice.axes[1].size();
+      const std::array<std::uint32_t, 8> samples =
+          corners_of_lattice_cell(lattice, at[0] + lattice.axes[0].size() * (at[1] + lattice.axes[1].size() * at[2]));
       for (std::size_t c = 0; c < 8; ++c) {
         const auto& [i, j, k] = kRing[c];
-        samples[c] = static_cast<std::uint32_t>(at[0] + i + nx * (at[1] + j + ny * (at[2] + k)));
         corners[c] = {lattice.axes[0][at[0] + i], lattice.axes[1][at[1] + j], lattice.axes[2][at[2] + k]};
       }
       // On the unmirrored axes.

@@ -191,13 +191,13 @@ class MlsField final : public GroupedField {
     each_cell(sums.size(), "corrections", progress, [&](std::size_t k, Lists& lists) {
       const VolumePlace place = place_of_cell(volume(), nth_cell(volume(), k));
       const std::size_t count = place.corner_count;
-      const CellShape shape = shape_of(place.cell);
+      const CellShape shape = shape_of_cell(volume(), place.cell);
       std::array<Vec3, 8> x{};
       std::array<std::array<double, 8>, 8> weights{};
       for (std::size_t p = 0; p < count; ++p) {
         for (std::size_t v = 0; v < count; ++v) weights[p][v] = 0.5 / static_cast<double>(count) + (v == p ? 0.5 : 0);
         shape_functions(shape, parameters_of(shape, weights[p]), weights[p]);
-        for (std::size_t v = 0; v < count; ++v) x[p] += corner(place.corners[v]) * weights[p][v];
+        for (std::size_t v = 0; v < count; ++v) x[p] += corner_position(volume(), place.corners[v]) * weights[p][v];
       }
       const Vec3 origin = gather(place, lists);
       for (std::size_t m = 0; m < c; ++m) {

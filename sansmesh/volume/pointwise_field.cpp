@@ -7,6 +7,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/volume/cell_corners.h"
 #include "sansmesh/volume/point_order.h"
 
 namespace sansmesh::inline v1::detail {
@@ -71,8 +72,7 @@ void LocatedField::spacing(std::span<const Vec3> x, std::span<double> found) con
 Vec3 LocatedField::position_of(const VolumePlace& place) const {
   Vec3 at;
   for (std::size_t c = 0; c < place.corner_count; ++c)
-    at += (volume_->lattice ? volume_->lattice->position(place.corners[c]) : volume_->corner(place.corners[c])) *
-          place.weights[c];
+    at += corner_position(*volume_, place.corners[c]) * place.weights[c];
   return at;
 }
 

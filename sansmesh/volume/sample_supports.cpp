@@ -68,9 +68,8 @@ SampleSupports::SampleSupports(const SampledVolume& volume, double reach) : volu
 }
 
 double SampleSupports::width(std::size_t k, std::size_t i) const {
-  const std::vector<double>& axis = volume_.lattice->axes[k];
-  const double before = i > 0 ? axis[i] - axis[i - 1] : 0, after = i + 1 < axis.size() ? axis[i + 1] - axis[i] : 0;
-  return 3 * std::max(before, after) * std::max(before, after);
+  const double step = lattice_step(volume_.lattice->axes[k], i);
+  return 3 * step * step;
 }
 
 Vec3 SampleSupports::local(std::uint32_t sample, const Vec3& d) const {

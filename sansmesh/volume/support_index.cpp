@@ -1,4 +1,5 @@
 #include "sansmesh/volume/support_index.h"
+#include "sansmesh/volume/cell_corners.h"
 
 #include <algorithm>
 #include <array>
@@ -33,12 +34,8 @@ SupportIndex::SupportIndex(const SampledVolume& volume, std::span<const StarMetr
 
 std::size_t SupportIndex::hull_of(const VolumePlace& cell, std::array<Vec3, 8>& hull) const {
   const std::size_t count = cell.corner_count;
-  if (!volume_->lattice) {
-    for (std::size_t v = 0; v < count; ++v) hull[v] = volume_->corner(cell.corners[v]);
-    return count;
-  }
-  for (std::size_t v = 0; v < count; ++v) hull[v] = volume_->lattice->position(cell.corners[v]);
-  if (!volume_->in_cells) return count;
+  for (std::size_t v = 0; v < count; ++v) hull[v] = corner_position(*volume_, cell.corners[v]);
+  if (!volume_->lattice || !volume_->in_cells) return count;
   // The outermost cells of cell-data lattices extend by half a cell.
   const Vec3 middle = (hull[0] + hull[6]) * 0.5;
   for (Vec3& x : hull) x = middle + (x - middle) * 2.0;

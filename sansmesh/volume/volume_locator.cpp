@@ -12,6 +12,7 @@
 #include "sansmesh/volume/axis_interval.h"
 #include "sansmesh/volume/box_tree.h"
 #include "sansmesh/volume/cell_adjacency.h"
+#include "sansmesh/volume/cell_corners.h"
 #include "sansmesh/volume/cell_geometry.h"
 #include "sansmesh/volume/cell_inverse.h"
 #include "sansmesh/volume/familiar_cells.h"
@@ -35,11 +36,7 @@ void locate_in_lattice(const Lattice& l, double tolerance, const Vec3& x, Volume
     const double from = l.axes[k][cell[k]], to = l.axes[k][cell[k] + 1];
     u[k] = (c - from) / (to - from);
   }
-  const std::size_t nx = l.axes[0].size(), nxy = nx * l.axes[1].size();
-  const std::size_t first = cell[0] + nx * cell[1] + nxy * cell[2];
-  const std::size_t corner[8] = {first,       first + 1,       first + 1 + nx,       first + nx,
-                                 first + nxy, first + nxy + 1, first + nxy + 1 + nx, first + nxy + nx};
-  for (std::size_t c = 0; c < 8; ++c) place.corners[c] = static_cast<std::uint32_t>(corner[c]);
+  place.corners = corners_of_lattice_cell(l, cell[0] + l.axes[0].size() * (cell[1] + l.axes[1].size() * cell[2]));
   place.cell = place.corners[0];
   place.corner_count = 8;
   shape_functions(CellShape::hexahedron, u, place.weights);
@@ -93,25 +90,18 @@ struct VolumeLocator::State {
 
   void make_border() const {
     const std::size_t points = volume.corners.empty() ? volume.positions.size() : volume.corners.size();
-    const auto neighbours = face_neighbours(volume.cells, points);
-    for (std::size_t c = 0; c < volume.cells.size(); ++c)
-      for (std::size_t f = 0; f < cell_faces(volume.cells.shapes[c]).size(); ++f)
-        if (neighbours[kMostFaces * c + f] == kNoCell)
-          border.faces.push_back(static_cast<std::uint32_t>(kMostFaces * c + f));
+    border.faces = open_faces(volume.cells, points);
     border.tree = BoxTree(border.faces.size(), [this](std::size_t i) {
       Box3 box;
-      std::array<Vec3, 4> ring;
-      const std::size_t count = ring_of(border.faces[i], {}, ring);
-      for (std::size_t k = 0; k < count; ++k) box.extend(ring[k]);
+      for (const std::uint32_t p : ring_of_face(volume.cells, border.faces[i])) box.extend(volume.corner(p));
       return box;
     });
   }
 
   std::size_t ring_of(std::uint32_t id, const Vec3& x, std::array<Vec3, 4>& ring) const {
-    const std::size_t cell = id / kMostFaces;
-    const CellFace& face = cell_faces(volume.cells.shapes[cell])[id % kMostFaces];
-    for (std::size_t k = 0; k < face.count; ++k) ring[k] = volume.corner(volume.cells[cell][face.corner[k]]) - x;
-    return face.count;
+    const FaceRing points = ring_of_face(volume.cells, id);
+    for (std::size_t k = 0; k < points.count; ++k) ring[k] = volume.corner(points.points[k]) - x;
+    return points.count;
   }
 
   void set(VolumePlace& place, std::uint32_t cell) const {
@@ -318,7 +308,7 @@ Vec3 held_outside(const SampledVolume& volume, const VolumePlace& place, const V
 void shape_gradients(const SampledVolume& volume, const VolumePlace& place, const Vec3& /*x*/,
                      std::span<Vec3, 8> gradients) {
   std::fill(gradients.begin(), gradients.end(), Vec3{});
-  const CellShape shape = volume.lattice ? CellShape::hexahedron : volume.cells.shapes[place.cell];
+  const CellShape shape = shape_of_cell(volume, place.cell);
   const std::size_t count = place.corner_count;
   Vec3 u = parameters_of(shape, place.weights);
   // The tip of a pyramid is singular; points just below it are regular.
