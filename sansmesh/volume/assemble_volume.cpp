@@ -24,6 +24,7 @@
 #include "sansmesh/volume/gathered_cells.h"
 #include "sansmesh/volume/grid_blocks.h"
 #include "sansmesh/volume/mended_cells.h"
+#include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -424,10 +425,7 @@ Association association_of(const GridData& data, const std::string& array) {
       for (const Attribute& a : *table) names.insert(a.name);
   }
   if (in_cells) return Association::cells;
-  std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + printable(name, 60);
-  throw ArgumentError("there is no array '" + printable(array, 60) + "'; " +
-                      (list.empty() ? "there are none at all" : "those there are: " + list));
+  throw ArgumentError(no_array_named(array, std::vector<std::string>(names.begin(), names.end())));
 }
 
 SampledVolume assemble_volume(const GridData& data, Association association, Progress& progress) {

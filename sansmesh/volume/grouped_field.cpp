@@ -8,6 +8,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/volume/cell_corners.h"
 #include "sansmesh/volume/point_order.h"
+#include "sansmesh/volume/pointwise_field.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -40,9 +41,8 @@ void GroupedField::degrees(std::span<const Vec3> x, std::span<std::uint8_t> foun
 
 void GroupedField::evaluate_all(std::span<const Vec3> x, const PolynomialAnswers& wanted) const {
   const std::size_t n = x.size(), c = components_;
-  const auto fits = [n](std::size_t size, std::size_t each) { return size == 0 || size == n * each; };
-  if (!fits(wanted.values.size(), c) || !fits(wanted.gradients.size(), c) || !fits(wanted.inside.size(), 1) ||
-      !fits(wanted.degrees.size(), 1))
+  if (!detail::answers_fit({wanted.values, wanted.gradients, wanted.inside}, n, c) ||
+      (!wanted.degrees.empty() && wanted.degrees.size() != n))
     throw ArgumentError("VolumeField: the numbers of answers and points differ");
   const auto order = locality_order(x);
   parallel_ranges(0, (n + kBlockPoints - 1) / kBlockPoints, 1, [&](std::size_t begin, std::size_t end) {

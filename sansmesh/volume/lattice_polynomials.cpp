@@ -145,8 +145,7 @@ class LatticeFitter {
     double monomials[kTerms];
     for (std::size_t m = 0; m < c; ++m) {
       to_monomials(orthogonal_.data() + m * kTerms, degree, x, y, z, monomials);
-      part.constants.push_back(values_.values[sample * c + m] + (1 - options_.share) * monomials[0]);
-      for (std::size_t j = 1; j < terms; ++j) part.coefficients.push_back(static_cast<float>(monomials[j]));
+      part.append_component(std::span(monomials).first(terms), values_.of(sample)[m], options_.share);
     }
     part.degrees.push_back(static_cast<std::uint8_t>(degree));
     part.split.push_back(0);
@@ -259,13 +258,7 @@ class LatticeFitter {
       tests_.push_back(u);
     }
     robust_.fit(u_, f_, c, tests_);
-    for (std::size_t m = 0; m < c; ++m) {
-      const auto monomials = robust_.monomials(m);
-      part.constants.push_back(values_.values[sample * c + m] + (1 - options_.share) * monomials[0]);
-      for (std::size_t j = 1; j < monomials.size(); ++j) part.coefficients.push_back(static_cast<float>(monomials[j]));
-    }
-    part.degrees.push_back(static_cast<std::uint8_t>(robust_.degree()));
-    part.split.push_back(robust_.split());
+    part.append(robust_, values_.of(sample), options_.share);
     return true;
   }
 

@@ -30,9 +30,7 @@ class LinearField final : public detail::LocatedField {
 
   void evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const override {
     const std::size_t n = components();
-    const auto fits = [](std::size_t size, std::size_t want) { return size == 0 || size == want; };
-    const bool lattice = volume().lattice && fits(wanted.values.size(), x.size() * n) &&
-                         fits(wanted.gradients.size(), x.size() * n) && fits(wanted.inside.size(), x.size());
+    const bool lattice = volume().lattice && detail::answers_fit(wanted, x.size(), n);
     if (lattice && n == 1) return in_lattice<1>(x, wanted);
     if (lattice && n == 2) return in_lattice<2>(x, wanted);
     if (lattice && n == 3) return in_lattice<3>(x, wanted);

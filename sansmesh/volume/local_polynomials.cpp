@@ -46,13 +46,7 @@ class MeshFitter {
       tests_.push_back(local(mean / static_cast<double>(corners.size())));
     }
     fit_.fit(stencil_.local(), f_, c, tests_);
-    for (std::size_t m = 0; m < c; ++m) {
-      const auto monomials = fit_.monomials(m);
-      part.constants.push_back(values_.values[i * c + m] + (1 - options_.share) * monomials[0]);
-      for (std::size_t j = 1; j < monomials.size(); ++j) part.coefficients.push_back(static_cast<float>(monomials[j]));
-    }
-    part.degrees.push_back(static_cast<std::uint8_t>(fit_.degree()));
-    part.split.push_back(fit_.split());
+    part.append(fit_, values_.of(i), options_.share);
   }
 
  private:
@@ -185,7 +179,7 @@ double LocalPolynomials::full_rise(std::size_t sample, std::size_t component, co
 }
 
 StarMetric LocalPolynomials::metric(const SampledVolume& volume, std::size_t sample) const {
-  return volume.lattice ? lattice_metric(*volume.lattice, sample) : metrics[sample];
+  return metric_of(volume, metrics.view(), sample);
 }
 
 std::vector<float> polynomial_trust(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& p,

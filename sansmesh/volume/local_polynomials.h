@@ -73,6 +73,19 @@ struct PolynomialPart {
   std::vector<double> constants;
   std::vector<float> coefficients;
   std::vector<std::uint8_t> degrees, split;
+
+  /// Appends a component of a sample: the value, corrected by the share of the residual that is not added, and the
+  /// coefficients of the polynomial's monomials.
+  void append_component(std::span<const double> monomials, double value, double share) {
+    constants.push_back(value + (1 - share) * monomials[0]);
+    for (const double m : monomials.subspan(1)) coefficients.push_back(static_cast<float>(m));
+  }
+  /// Appends the polynomials of a sample with the given values.
+  void append(const StencilFit& fit, std::span<const double> values, double share) {
+    for (std::size_t m = 0; m < values.size(); ++m) append_component(fit.monomials(m), values[m], share);
+    degrees.push_back(static_cast<std::uint8_t>(fit.degree()));
+    split.push_back(fit.split());
+  }
 };
 
 /// See fit_local_polynomials. `split` marks one-sided polynomials at steps.

@@ -122,9 +122,7 @@ class MlsField final : public GroupedField {
   std::unique_ptr<Memory> memory() const override { return std::make_unique<Lists>(); }
   bool goes_on_straight() const override { return true; }
 
-  StarMetric metric(std::size_t i) const {
-    return volume().lattice ? lattice_metric(*volume().lattice, i) : metrics_[i];
-  }
+  StarMetric metric(std::size_t i) const { return metric_of(volume(), metrics_, i); }
 
   // Gathers the supports that reach a cell; returns the origin of the cell.
   Vec3 gather(const VolumePlace& cell, Lists& lists) const {

@@ -52,10 +52,7 @@ void LocatedField::for_each_place(std::span<const Vec3> x, const Visit& visit) c
 
 void LocatedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
   const std::size_t n = components();
-  const auto fits = [](std::size_t size, std::size_t want) { return size == 0 || size == want; };
-  if (!fits(wanted.values.size(), x.size() * n) || !fits(wanted.gradients.size(), x.size() * n) ||
-      !fits(wanted.inside.size(), x.size()))
-    throw ArgumentError("VolumeField: the numbers of answers and points differ");
+  if (!answers_fit(wanted, x.size(), n)) throw ArgumentError("VolumeField: the numbers of answers and points differ");
   for_each_place(x, [&](std::size_t i, const VolumePlace& place) {
     if (is_finite(x[i])) return answer_at(i, x[i], place, wanted);
     if (!wanted.values.empty()) std::fill_n(wanted.values.data() + i * n, n, 0.0);

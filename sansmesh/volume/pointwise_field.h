@@ -14,6 +14,13 @@
 
 namespace sansmesh::inline v1::detail {
 
+/// Whether each list of answers for n points is empty or has the right size.
+inline bool answers_fit(const VolumeAnswers& wanted, std::size_t n, std::size_t components) {
+  const auto fits = [](std::size_t size, std::size_t right) { return size == 0 || size == right; };
+  return fits(wanted.values.size(), n * components) && fits(wanted.gradients.size(), n * components) &&
+         fits(wanted.inside.size(), n);
+}
+
 /// Fields that first locate the cell of a point: orders the points for the locator and distributes batches over
 /// threads.
 class LocatedField : public VolumeField {

@@ -89,7 +89,9 @@ double lattice_step(const std::vector<double>& axis, std::size_t i) {
   return std::max(i > 0 ? axis[i] - axis[i - 1] : 0, i + 1 < axis.size() ? axis[i + 1] - axis[i] : 0);
 }
 
-StarMetric lattice_metric(const Lattice& lattice, std::size_t sample) {
+StarMetric metric_of(const SampledVolume& volume, std::span<const StarMetric> metrics, std::size_t sample) {
+  if (!volume.lattice) return metrics[sample];
+  const Lattice& lattice = *volume.lattice;
   const auto at = lattice.indices(sample);
   StarMetric metric;
   for (std::size_t k = 0; k < 3; ++k)

@@ -41,8 +41,9 @@ std::vector<StarMetric> star_metrics(const SampledVolume& volume);
 /// (comparison in tejada2008, figure 6.5).
 std::vector<StarMetric> spherical_metrics(const SampledVolume& volume);
 
-/// star_metric for samples of lattices: offsets along each axis in units of the longer of the two adjacent steps.
-StarMetric lattice_metric(const Lattice& lattice, std::size_t sample);
+/// The metric of a sample: its entry of `metrics`; lattices have none, but offsets along each axis in units of the
+/// longer of the two adjacent steps.
+StarMetric metric_of(const SampledVolume& volume, std::span<const StarMetric> metrics, std::size_t sample);
 
 /// The longer of the two steps of an axis at its coordinate i.
 double lattice_step(const std::vector<double>& axis, std::size_t i);

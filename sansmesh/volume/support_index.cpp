@@ -26,7 +26,7 @@ SupportIndex::SupportIndex(const SampledVolume& volume, std::span<const StarMetr
     : volume_(&volume), metrics_(metrics), radii_(radii) {
   tree_ = BoxTree(radii.size(), [&](std::size_t i) {
     const Vec3 x = volume.position(i);
-    const StarMetric metric = volume.lattice ? lattice_metric(*volume.lattice, i) : metrics[i];
+    const StarMetric metric = metric_of(volume, metrics, i);
     const Vec3 e = ellipsoid_extent(metric, static_cast<double>(radii[i]));
     return Box3{x - e, x + e};
   });
@@ -88,7 +88,7 @@ void SupportIndex::leave_near(std::span<const Vec3> hull, Memory& memory) const 
     x[v] = d.x, y[v] = d.y, z[v] = d.z;
   }
   std::erase_if(memory.supports, [&](std::uint32_t i) {
-    const StarMetric metric = volume_->lattice ? lattice_metric(*volume_->lattice, i) : metrics_[i];
+    const StarMetric metric = metric_of(*volume_, metrics_, i);
     const Vec3f to(middle - volume_->position(i));
     const float reach = radii_[i] * radii_[i] * 1.0001f;
     float u[3], squared = 0;

@@ -93,13 +93,19 @@ VolumeValues scaled_values(VolumeValues values, std::span<const double> scales) 
   return values;
 }
 
+std::string no_array_named(const std::string& name, std::span<const std::string> available) {
+  std::string list;
+  for (const std::string& other : available) list += (list.empty() ? "" : ", ") + printable(other, 60);
+  return "there is no array '" + printable(name, 60) + "'; " +
+         (list.empty() ? "there are none" : "available are: " + list);
+}
+
 VolumeValues volume_values(const SampledVolume& volume, const std::string& name) {
   const Attribute* const array = volume.attributes.find(name);
   if (!array) {
-    std::string names;
-    for (const Attribute& a : volume.attributes) names += (names.empty() ? "" : ", ") + printable(a.name, 60);
-    throw ArgumentError("there is no array '" + printable(name, 60) + "'; " +
-                        (names.empty() ? "there are none at all" : "those there are: " + names));
+    std::vector<std::string> names;
+    for (const Attribute& a : volume.attributes) names.push_back(a.name);
+    throw ArgumentError(no_array_named(name, names));
   }
   VolumeValues of;
   of.name = name, of.components = array->components;

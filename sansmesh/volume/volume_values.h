@@ -23,6 +23,9 @@ struct VolumeValues {
   }
 };
 
+/// Message for a missing array that lists the available ones.
+std::string no_array_named(const std::string& name, std::span<const std::string> available);
+
 /// The array of that name. Throws ArgumentError that names the available arrays if there is none; DataError if no value
 /// is finite, if values are so large that slopes between samples overflow (about 1e300), or if not all are 0 and all
 /// are too small to be distinguished (below about 1e-300).
