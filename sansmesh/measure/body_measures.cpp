@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/group_rows.h"
 #include "sansmesh/error.h"
 #include "sansmesh/measure/component_overlap.h"
 #include "sansmesh/mesh/components.h"
@@ -123,27 +124,23 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
   count_edges(clean, components.of_triangle, result);
 
   // Triangles grouped by component, in order.
-  std::vector<std::size_t> first(components.size() + 1);
-  for (const std::uint32_t c : components.of_triangle) ++first[c + 1];
-  for (std::size_t c = 0; c < components.size(); ++c) first[c + 1] += first[c];
-  std::vector<std::size_t> next(first.begin(), first.end() - 1);
-  std::vector<std::uint32_t> grouped(clean.triangles.size());
-  for (std::size_t i = 0; i < grouped.size(); ++i)
-    grouped[next[components.of_triangle[i]]++] = static_cast<std::uint32_t>(i);
+  const Adjacency grouped = group_rows(components.size(), [&](const auto& visit) {
+    for (std::size_t i = 0; i < clean.triangles.size(); ++i) visit(components.of_triangle[i], i);
+  });
 
   std::vector<Vec3f> corners;
-  const auto measure = [&](BodyMeasures& body, std::size_t begin, std::size_t end) {
-    body.triangles = end - begin;
+  const auto measure = [&](BodyMeasures& body, std::span<const std::uint32_t> triangles) {
+    body.triangles = triangles.size();
     Box3f box;
-    for (std::size_t i = begin; i < end; ++i)
-      for (const std::uint32_t v : clean.triangles[grouped[i]]) box.extend(clean.vertices[v]);
+    for (const std::uint32_t i : triangles)
+      for (const std::uint32_t v : clean.triangles[i]) box.extend(clean.vertices[v]);
     const Vec3 middle = box.empty() ? Vec3{} : (Vec3(box.lower) + Vec3(box.upper)) * 0.5;
     const MassSums sums = parallel_reduce(
-        end - begin, kMassChunk, MassSums{},
+        triangles.size(), kMassChunk, MassSums{},
         [&](std::size_t from, std::size_t to) {
           MassSums part;
-          for (std::size_t i = begin + from; i < begin + to; ++i) {
-            const Triangle& t = clean.triangles[grouped[i]];
+          for (const std::uint32_t i : triangles.subspan(from, to - from)) {
+            const Triangle& t = clean.triangles[i];
             add(Vec3(clean.vertices[t[0]]) - middle, Vec3(clean.vertices[t[1]]) - middle,
                 Vec3(clean.vertices[t[2]]) - middle, part);
           }
@@ -155,7 +152,7 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
     body.surface_center = clean.origin + middle + (sums.area > 0 ? sums.surface / sums.area : Vec3{});
     if (body.closed() && sums.area > 0) body.mass = mass_of(sums, clean.origin + middle);
   };
-  measure(result.whole, 0, grouped.size());
+  measure(result.whole, grouped.entries);
   // The same sums as in other commands, to the last bit.
   const MeshSize size = measure_size(clean);
   result.whole.area = size.area;
@@ -163,7 +160,7 @@ SolidMeasures measure_solid(const TriangleMesh& mesh) {
   if (!(result.whole.area > 0)) throw DataError("no triangles with an area to measure");
   std::vector<std::uint8_t> closed(components.size());
   for (std::size_t c = 0; c < components.size(); ++c) {
-    measure(result.components[c], first[c], first[c + 1]);
+    measure(result.components[c], grouped[c]);
     closed[c] = result.components[c].mass.has_value();
   }
   const ComponentOverlap overlap = component_overlap(clean, components.of_triangle, closed);

@@ -8,6 +8,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/group_rows.h"
 #include "sansmesh/mesh/self_intersections.h"
 #include "sansmesh/search/box_levels.h"
 #include "sansmesh/search/kd_tree.h"
@@ -113,12 +114,13 @@ void find_surrounding(const TriangleMesh& mesh, std::span<const std::uint32_t> c
                       std::span<const std::uint8_t> closed, std::vector<int>& surrounding) {
   if (std::count(closed.begin(), closed.end(), 1) < 2) return;
   const SolidFaces faces(mesh, component, closed);
-  std::vector<std::vector<std::uint32_t>> of_component(surrounding.size());
-  for (std::uint32_t i = 0; i < component.size(); ++i)
-    if (closed[component[i]]) of_component[component[i]].push_back(i);
+  const Adjacency of_component = group_rows(surrounding.size(), [&](const auto& visit) {
+    for (std::size_t i = 0; i < component.size(); ++i)
+      if (closed[component[i]]) visit(component[i], i);
+  });
   const double depth = kProbeDepth * bounds(mesh).diagonal();
   parallel_for(0, surrounding.size(), 1, [&](std::size_t c) {
-    const std::vector<std::uint32_t>& own = of_component[c];
+    const std::span<const std::uint32_t> own = of_component[c];
     if (own.empty()) return;
     Box3f box;
     for (const std::uint32_t i : own)

@@ -28,7 +28,6 @@ class MeshDistance : public SignedDistance {
   Vec3 pseudo_normal(std::uint32_t triangle, TrianglePart part, bool& border) const;
 
  private:
-  std::span<const std::uint32_t> triangles_at(std::uint32_t corner) const;
   Vec3 position(std::uint32_t corner) const { return Vec3(mesh_.vertices[corner]); }
   Triangle corners(std::uint32_t triangle) const;
   Vec3 face_normal(std::uint32_t triangle) const;
@@ -39,9 +38,8 @@ class MeshDistance : public SignedDistance {
   const TriangleMesh& mesh_;
   ClosestTriangle closest_;
   Box3 bounds_;
-  std::vector<std::uint32_t> same_;   ///< per vertex: the first coincident one
-  std::vector<std::uint32_t> first_;  ///< per vertex: begin of its triangles in triangles_
-  std::vector<std::uint32_t> triangles_;
+  std::vector<std::uint32_t> same_;  ///< per vertex: the first coincident one
+  Adjacency triangles_at_;           ///< per vertex: its triangles
 };
 
 /// The distance to a mesh, or to points if it has no triangles. Keeps a reference.

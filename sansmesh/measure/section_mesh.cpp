@@ -1,31 +1,17 @@
 #include <algorithm>
 #include <cstdint>
-#include <cstring>
 #include <unordered_map>
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/measure/section.h"
 #include "sansmesh/measure/section_curves.h"
+#include "sansmesh/mesh/same_places.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSectionChunk = 1 << 15;
-
-struct PositionHash {
-  std::size_t operator()(const Vec3f& p) const {
-    std::uint64_t h = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      std::uint32_t bits;
-      const float value = p[k];
-      std::memcpy(&bits, &value, sizeof bits);
-      h = (h ^ bits) * 0x9E3779B97F4A7C15u;
-      h ^= h >> 29;
-    }
-    return h;
-  }
-};
 
 /// Triangles with corners on both sides, in ascending order.
 std::vector<std::uint32_t> cut_triangles(const TriangleMesh& mesh, const Vec3& normal, double offset) {
@@ -54,18 +40,18 @@ Section section_mesh(const TriangleMesh& mesh, const CutPlane& plane) {
   const double offset = plane.offset - dot(plane.normal, mesh.origin);
   std::vector<SectionPiece> pieces;
   std::vector<std::array<double, 2>> points;
-  // Corners by position, crossings by the pair of corners.
-  std::unordered_map<Vec3f, std::uint32_t, PositionHash> corners;
-  std::unordered_map<std::uint64_t, std::uint32_t> crossings;
-  for (const std::uint32_t i : cut_triangles(mesh, plane.normal, offset)) {
-    std::uint32_t corner[3];
-    Vec3f at[3];
+  const std::vector<std::uint32_t> cut = cut_triangles(mesh, plane.normal, offset);
+  std::vector<Vec3f> corners;
+  corners.reserve(3 * cut.size());
+  for (const std::uint32_t i : cut)
+    for (const std::uint32_t v : mesh.triangles[i]) corners.push_back(mesh.vertices[v] + Vec3f{});  // turns -0 into 0
+  const std::vector<std::uint32_t> first = first_at_place(corners);
+  std::unordered_map<std::uint64_t, std::uint32_t> crossings;  // by the pair of corners
+  for (std::size_t c = 0; c < cut.size(); ++c) {
+    const Vec3f* const at = corners.data() + 3 * c;
+    const std::uint32_t* const corner = first.data() + 3 * c;
     double height[3];
-    for (std::size_t k = 0; k < 3; ++k) {
-      at[k] = mesh.vertices[mesh.triangles[i][k]] + Vec3f{};  // turns -0 into 0
-      corner[k] = corners.try_emplace(at[k], static_cast<std::uint32_t>(corners.size())).first->second;
-      height[k] = dot(plane.normal, Vec3(at[k])) - offset;
-    }
+    for (std::size_t k = 0; k < 3; ++k) height[k] = dot(plane.normal, Vec3(at[k])) - offset;
     SectionPiece piece{};
     for (std::size_t k = 0; k < 3; ++k) {
       std::size_t a = k, b = (k + 1) % 3;

@@ -122,7 +122,8 @@ Span span_along(const std::vector<Point>& points, const Vec3& axis) {
   return s;
 }
 
-double volume_of(const std::vector<Vec3>& points, const Frame& frame, double padding) {
+template <class Point>
+double volume_of(const std::vector<Point>& points, const Frame& frame, double padding) {
   double volume = 1;
   for (const Vec3& axis : frame) {
     const Span s = span_along(points, axis);
@@ -298,11 +299,7 @@ OrientedBox smallest_box(const std::vector<Vec3f>& points, std::span<const std::
   Frame best = given[0];
   double least = INFINITY;
   for (const Frame& frame : frames) {
-    double volume = 1;
-    for (const Vec3& axis : frame) {
-      const Span s = span_along(finite, axis);
-      volume *= s.high - s.low + padding;
-    }
+    const double volume = volume_of(finite, frame, padding);
     if (volume < least * (1 - kSameVolume)) least = volume, best = frame;
   }
 
@@ -313,12 +310,8 @@ OrientedBox smallest_box(const std::vector<Vec3f>& points, std::span<const std::
   };
   std::array<Side, 3> sides;
   for (std::size_t k = 0; k < 3; ++k) {
-    double low = INFINITY, high = -INFINITY;
-    for (const Vec3f& p : finite) {
-      const double along = dot(best[k], Vec3(p));
-      low = std::min(low, along), high = std::max(high, along);
-    }
-    Vec3 axis = best[k];
+    const auto [low, high] = span_along(finite, best[k]);
+    const Vec3 axis = best[k];
     double middle = 0.5 * (low + high);
     const double largest = std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
     if (axis.x != -largest && axis.y != -largest && axis.z != -largest)

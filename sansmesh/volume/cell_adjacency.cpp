@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/data/group_rows.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -38,21 +39,6 @@ Adjacency rows_of(std::size_t rows, const Fill& fill) {
   return result;
 }
 
-/// For each target in targets_of(source) the sources with it, ascending.
-template <class TargetsOf>
-Adjacency rows_by_target(std::size_t targets, std::size_t sources, const TargetsOf& targets_of) {
-  Adjacency result;
-  result.first.assign(targets + 1, 0);
-  for (std::size_t s = 0; s < sources; ++s)
-    for (const std::uint32_t t : targets_of(s)) ++result.first[t + 1];
-  std::partial_sum(result.first.begin(), result.first.end(), result.first.begin());
-  result.entries.resize(result.first.back());
-  std::vector<std::uint64_t> next(result.first.begin(), result.first.end() - 1);
-  for (std::size_t s = 0; s < sources; ++s)
-    for (const std::uint32_t t : targets_of(s)) result.entries[next[t]++] = static_cast<std::uint32_t>(s);
-  return result;
-}
-
 bool same_corners(std::span<const std::uint32_t> a, const CellFace& f, std::span<const std::uint32_t> b,
                   const CellFace& g) {
   if (f.count != g.count) return false;
@@ -67,13 +53,17 @@ bool same_corners(std::span<const std::uint32_t> a, const CellFace& f, std::span
 }  // namespace
 
 Adjacency cells_of_points(const CellList& cells, std::size_t points) {
-  return rows_by_target(points, cells.size(), [&](std::size_t c) { return cells[c]; });
+  return group_rows(points, [&](const auto& visit) {
+    for (std::size_t c = 0; c < cells.size(); ++c)
+      for (const std::uint32_t p : cells[c]) visit(p, c);
+  });
 }
 
 Adjacency cells_of_samples(const SampledVolume& volume) {
   if (volume.cell_sample.empty()) return cells_of_points(volume.cells, volume.size());
-  return rows_by_target(volume.size(), volume.cell_sample.size(),
-                        [&](std::size_t c) { return std::span(volume.cell_sample).subspan(c, 1); });
+  return group_rows(volume.size(), [&](const auto& visit) {
+    for (std::size_t c = 0; c < volume.cell_sample.size(); ++c) visit(volume.cell_sample[c], c);
+  });
 }
 
 Adjacency edge_neighbours(const CellList& cells, std::size_t points) {
@@ -147,15 +137,9 @@ Adjacency symmetric_links(std::span<const std::uint64_t> links, std::size_t rows
   }
   parallel_sort(both);
   both.erase(std::unique(both.begin(), both.end()), both.end());
-  Adjacency result;
-  result.first.assign(rows + 1, 0);
-  result.entries.reserve(both.size());
-  for (const std::uint64_t link : both) {
-    ++result.first[(link >> 32) + 1];
-    result.entries.push_back(static_cast<std::uint32_t>(link));
-  }
-  std::partial_sum(result.first.begin(), result.first.end(), result.first.begin());
-  return result;
+  return group_rows(rows, [&](const auto& visit) {
+    for (const std::uint64_t link : both) visit(link >> 32, link & 0xffffffffu);
+  });
 }
 
 Adjacency united(const Adjacency& a, const Adjacency& b) {
