@@ -20,7 +20,8 @@ using AmlsV = hn::Vec<AmlsTag>;
 
 constexpr std::size_t kAmlsSums = 12;
 
-// Lanes represent supports. For every vector size sums go to sixteen lanes, which are added in a fixed order.
+// Lanes represent supports. For every vector size sums go to sixteen lanes, which are added in a fixed
+// order. One long function, since its sums must stay in registers.
 template <bool kGradient, bool kLaguerre>
 void SumAmlsT(const float* HWY_RESTRICT blocks, std::size_t count, std::size_t components, std::size_t component,
               const AmlsLaguerre& laguerre, std::span<const Vec3f> points, AmlsSums* HWY_RESTRICT out) {

@@ -44,6 +44,16 @@ class ConvexCell {
   struct Face {
     std::uint32_t label, begin, count;  // a ring in loops_, counter-clockwise from outside
   };
+  static constexpr std::uint32_t kGone = 0xffffffffu;
+
+  /// The vertex of the cut on an edge, shared by both faces of the edge.
+  std::uint32_t crossing(std::uint32_t a, std::uint32_t b);
+  /// Makes the loop from `begin` on a face, if it has three vertices.
+  void add_face(std::uint32_t label, std::uint32_t begin);
+  void cut_face(const Face& face);
+  /// Adds the new face, which traverses shared edges in the opposite direction. Rounding may leave several rings.
+  void close_cut(std::uint32_t label);
+
   std::vector<Vec3> vertices_;
   std::vector<std::uint32_t> loops_;
   std::vector<Face> faces_;

@@ -54,6 +54,7 @@ HWY_INLINE void Monomials(MlsTag d, const MlsV* u, std::size_t terms, MlsV* m) {
   for (std::size_t j = 1; j < terms; ++j) m[j] = hn::Mul(u[kMonomials.variable[j]], m[kMonomials.predecessor[j]]);
 }
 
+// One long function: moments, LDLᵀ and gradients share the same registers and rows.
 void SolveMls(const MlsSample* samples, std::size_t count, const StarMetric& frame, int degree, std::size_t n,
               bool gradient, MlsTile& tile) {
   const MlsTag d;
