@@ -5,6 +5,7 @@
 
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/core/parallel_collect.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {
@@ -14,6 +15,7 @@ namespace {
 /// The sum of Gaussians of this width is independent of the sample positions (Poisson summation: to 10⁻⁴); thicker
 /// layers include more of the curvature of f.
 constexpr double kThickness = 1;
+constexpr std::size_t kLayerChunk = 65536;
 /// Samples farther away are ignored: ω is below 0.01.
 constexpr double kMostOff = 2.2;
 /// Lower bound of the slope for the thickness of a layer, relative to the median: otherwise plateaus near the value
@@ -31,32 +33,23 @@ constexpr double kCounts = 0.3, kOnRidge = 0.8;
 /// Collects the samples found by chunks in order: the same for any number of threads.
 template <class Choose>
 std::vector<WeightedSample> choose_samples(std::size_t n, Progress& progress, const Choose& choose) {
-  constexpr std::size_t kChunk = 65536;
-  const std::size_t chunks = (n + kChunk - 1) / kChunk;
-  std::vector<std::vector<WeightedSample>> parts(chunks);
-  progress.begin("find the layer", chunks);
-  parallel_for(0, chunks, 1, [&](std::size_t c) {
-    for (std::size_t i = c * kChunk; i < std::min((c + 1) * kChunk, n); ++i) choose(i, parts[c]);
-    progress.advance();
-  });
-  std::vector<WeightedSample> all;
-  for (std::vector<WeightedSample>& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
+  progress.begin("find the layer", n);
+  const auto collect = [&](std::size_t first, std::size_t last, std::vector<WeightedSample>& found) {
+    for (std::size_t i = first; i < last; ++i) choose(i, found);
+    progress.advance(last - first);
+  };
+  return parallel_collect<WeightedSample>(n, kLayerChunk, collect);
 }
 
 /// Median slope of samples nearer to the value than to one of their neighbours; 0 if there are none.
 double slope_at(const SampleSlopes& slopes, std::span<const double> values, double value) {
   constexpr std::size_t kMany = 200'000;
-  constexpr std::size_t kChunk = 65536;
-  const std::size_t n = values.size(), chunks = (n + kChunk - 1) / kChunk;
-  const std::size_t stride = 1 + n / (64 * kMany);
-  std::vector<std::vector<double>> parts(chunks);
-  parallel_for(0, chunks, 1, [&](std::size_t c) {
-    for (std::size_t i = c * kChunk; i < std::min((c + 1) * kChunk, n); i += stride)
-      if (std::abs(values[i] - value) < slopes.contrast(i)) parts[c].push_back(norm(slopes.gradient(i)));
-  });
-  std::vector<double> found;
-  for (const std::vector<double>& part : parts) found.insert(found.end(), part.begin(), part.end());
+  const std::size_t stride = 1 + values.size() / (64 * kMany);
+  const auto collect = [&](std::size_t first, std::size_t last, std::vector<double>& found) {
+    for (std::size_t i = first; i < last; i += stride)
+      if (std::abs(values[i] - value) < slopes.contrast(i)) found.push_back(norm(slopes.gradient(i)));
+  };
+  std::vector<double> found = parallel_collect<double>(values.size(), kLayerChunk, collect);
   return median(found);
 }
 

@@ -3,7 +3,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/parallel_collect.h"
 #include "sansmesh/measure/section.h"
 #include "sansmesh/measure/section_curves.h"
 #include "sansmesh/mesh/same_places.h"
@@ -17,21 +17,17 @@ constexpr std::size_t kSectionChunk = 1 << 15;
 std::vector<std::uint32_t> cut_triangles(const TriangleMesh& mesh, const Vec3& normal, double offset) {
   const std::size_t n = mesh.vertices.size();
   const auto height = [&](std::uint32_t i) { return dot(normal, Vec3(mesh.vertices[i])) - offset; };
-  std::vector<std::vector<std::uint32_t>> parts((mesh.triangles.size() + kSectionChunk - 1) / kSectionChunk);
-  parallel_for(0, parts.size(), 1, [&](std::size_t c) {
-    const std::size_t last = std::min(mesh.triangles.size(), (c + 1) * kSectionChunk);
-    for (std::size_t i = c * kSectionChunk; i < last; ++i) {
+  const auto collect = [&](std::size_t first, std::size_t last, std::vector<std::uint32_t>& found) {
+    for (std::size_t i = first; i < last; ++i) {
       const Triangle& t = mesh.triangles[i];
       if (t[0] >= n || t[1] >= n || t[2] >= n) continue;
       const double a = height(t[0]), b = height(t[1]), c2 = height(t[2]);
       if (!std::isfinite(a + b + c2)) continue;
       const int above = (a >= 0) + (b >= 0) + (c2 >= 0);
-      if (above == 1 || above == 2) parts[c].push_back(static_cast<std::uint32_t>(i));
+      if (above == 1 || above == 2) found.push_back(static_cast<std::uint32_t>(i));
     }
-  });
-  std::vector<std::uint32_t> all;
-  for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
-  return all;
+  };
+  return parallel_collect<std::uint32_t>(mesh.triangles.size(), kSectionChunk, collect);
 }
 
 }  // namespace

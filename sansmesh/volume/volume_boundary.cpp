@@ -7,7 +7,7 @@
 #include <tuple>
 #include <utility>
 
-#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/parallel_collect.h"
 #include "sansmesh/volume/cell_adjacency.h"
 #include "sansmesh/volume/cell_finder.h"
 
@@ -29,18 +29,14 @@ class BoundaryWalk {
 
   /// All parts of faces without a cell beyond, by cell and face.
   std::vector<Patch> open_patches() const {
-    constexpr std::size_t kChunk = 1024;
-    std::vector<std::vector<Patch>> parts((cells_.size() + kChunk - 1) / kChunk);
-    parallel_for(0, parts.size(), 1, [&](std::size_t chunk) {
-      std::vector<std::uint32_t> scratch;
-      for (std::size_t c = chunk * kChunk; c < std::min(cells_.size(), (chunk + 1) * kChunk); ++c)
-        for (std::size_t f = 0; f < cell_faces(cells_.shapes[c]).size(); ++f)
-          if (faces_.equal(c, f) == kNoCell)
-            add({static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(f), 0, 0, 1}, 0, parts[chunk], scratch);
-    });
-    std::vector<Patch> all;
-    for (const auto& part : parts) all.insert(all.end(), part.begin(), part.end());
-    return all;
+    return parallel_collect<Patch>(
+        cells_.size(), 1024, [&](std::size_t first, std::size_t last, std::vector<Patch>& found) {
+          std::vector<std::uint32_t> scratch;
+          for (std::size_t c = first; c < last; ++c)
+            for (std::size_t f = 0; f < cell_faces(cells_.shapes[c]).size(); ++f)
+              if (faces_.equal(c, f) == kNoCell)
+                add({static_cast<std::uint32_t>(c), static_cast<std::uint32_t>(f), 0, 0, 1}, 0, found, scratch);
+        });
   }
 
   std::array<Vec3, 4> ring(const Patch& patch) const {
