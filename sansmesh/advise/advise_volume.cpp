@@ -40,7 +40,7 @@ std::vector<VolumeRecommendation> advise_volume(const VolumeOffer& offer) {
                                   : "the flow is steady: particles follow stream lines");
   }
   if (offer.values) {
-    const std::string& name = offer.suited.method;
+    const std::string& name = offer.recommended.method;
     // Surfaces by moving least squares weight samples by their values and are less sensitive to noise and coarse edges.
     // On grids other than lattices their layers fall apart in flat cells (docs/methods/volume-surfaces.md).
     const bool by_samples = offer.lattice && !(offer.traits.resolved() && offer.traits.edges_resolved());

@@ -243,7 +243,7 @@ constexpr ReportRow kCloudTraitsRows[] = {
     reported<&CloudTraits::diagonal>({.text = "Diagonal of the box", .unit = "length"}),
     reported<&CloudTraits::spacing>({.text = "Edge of the square that a sample stands for", .unit = "length"}),
     reported<&CloudTraits::noise>({.text = "Standard deviation of the samples off the surface", .unit = "length"}),
-    reported<&CloudTraits::noise_known>({.text = "Whether noise and shape can be told apart"}),
+    reported<&CloudTraits::noise_known>({.text = "Whether noise and shape are distinguishable"}),
     reported<&CloudTraits::most_noise>({.text = "The noise is no more than this", .unit = "length"}),
     reported<&CloudTraits::step>({.text = "Steps of the coordinates, where they hide the noise", .unit = "length"}),
     reported<&CloudTraits::density_ratio>(

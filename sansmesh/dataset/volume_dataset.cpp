@@ -187,14 +187,14 @@ FittedVolume VolumeDataset::fit(const std::string& array, const ReconstructionOp
                                 Progress& progress, ReconstructionReport* report) {
   const DatasetArray chosen = this->array(array);
   ReconstructionReport own;
-  ReconstructionReport& told = report ? *report : own;
+  ReconstructionReport& r = report ? *report : own;
   FittedVolume result;
-  reconstruct(array, options, progress, told, result.coefficients);
+  reconstruct(array, options, progress, r, result.coefficients);
   result.volume = volume(array, progress);
   result.array = array;
   result.options = fitted_ && is_held(*fitted_, array, options) ? fitted_->options : options;
-  result.options.method = told.options.method;
-  result.chosen = told.options;
+  result.options.method = r.options.method;
+  result.chosen = r.options;
   for (const DatasetArray& a : arrays_)
     if (all ? a.of == chosen.of && result.volume->attributes.find(a.name) : a.name == array && a.of == chosen.of)
       result.arrays.push_back(a);

@@ -460,7 +460,7 @@ SampledVolume assemble_volume(const GridData& data, Association association, Pro
   volume.facts.hidden += remove_below_levels(data, gathered);
   const auto first_there = scattered ? std::move(scattered_groups) : join_coincident(gathered);
   progress.advance();
-  auto source = mend_cells(gathered, volume.facts);
+  auto source = repair_cells(gathered, volume.facts);
   if (gathered.cells.empty()) throw DataError("no cell has any volume: all points lie in a plane or on a line");
   if (!scattered) remove_overlapped(gathered, source, volume.facts);
   progress.advance();

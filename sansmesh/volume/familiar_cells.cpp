@@ -62,7 +62,7 @@ Extent extent(std::span<const Vec3> x, const Vec3& normal) {
 
 }  // namespace
 
-FamiliarCells::FamiliarCells(const SampledVolume& volume, const BoxTree& boxes, std::span<const std::uint8_t> folded)
+CellCache::CellCache(const SampledVolume& volume, const BoxTree& boxes, std::span<const std::uint8_t> folded)
     : volume_(volume),
       boxes_(boxes),
       folded_(folded),
@@ -70,9 +70,9 @@ FamiliarCells::FamiliarCells(const SampledVolume& volume, const BoxTree& boxes, 
       state_(volume.cells.size()),
       cells_(most_) {}
 
-FamiliarCells::~FamiliarCells() = default;
+CellCache::~CellCache() = default;
 
-std::uint32_t FamiliarCells::find(const Vec3& x, std::uint32_t from, double margin, Vec3& u) const {
+std::uint32_t CellCache::find(const Vec3& x, std::uint32_t from, double margin, Vec3& u) const {
   for (int step = 0; step < kMostSteps && from < state_.size(); ++step) {
     const Cell* const cell = known(from);
     if (!cell) return kNoCell;
@@ -99,7 +99,7 @@ std::uint32_t FamiliarCells::find(const Vec3& x, std::uint32_t from, double marg
   return kNoCell;
 }
 
-void FamiliarCells::count(std::uint32_t cell) const {
+void CellCache::count(std::uint32_t cell) const {
   std::uint32_t state = state_[cell].load(std::memory_order_relaxed);
   if (state >= kOften) return;
   if (state + 1 < kOften) {  // counts lost between threads are harmless
@@ -112,11 +112,11 @@ void FamiliarCells::count(std::uint32_t cell) const {
     used_.store(static_cast<std::uint32_t>(most_), std::memory_order_relaxed);
     return;
   }
-  cells_[slot] = familiar(cell);
+  cells_[slot] = make_entry(cell);
   state_[cell].store(kOften + slot, std::memory_order_release);
 }
 
-std::unique_ptr<FamiliarCells::Cell> FamiliarCells::familiar(std::uint32_t number) const {
+std::unique_ptr<CellCache::Cell> CellCache::make_entry(std::uint32_t number) const {
   if (!folded_.empty() && folded_[number] != 0) return nullptr;  // parameters may differ from those of the search
   const CellList& cells = volume_.cells;
   std::array<Vec3, 8> own, other;

@@ -22,13 +22,13 @@ namespace sansmesh::inline v1 {
 /// to those of the search, independent of the contents of the cache.
 ///
 /// A cell enters the cache after several hits, up to a number of cells. Safe from any thread.
-class FamiliarCells {
+class CellCache {
  public:
   /// All arguments must outlive it. `folded` has one flag per cell, or is empty.
-  FamiliarCells(const SampledVolume& volume, const BoxTree& boxes, std::span<const std::uint8_t> folded);
-  ~FamiliarCells();
-  FamiliarCells(const FamiliarCells&) = delete;
-  FamiliarCells& operator=(const FamiliarCells&) = delete;
+  CellCache(const SampledVolume& volume, const BoxTree& boxes, std::span<const std::uint8_t> folded);
+  ~CellCache();
+  CellCache(const CellCache&) = delete;
+  CellCache& operator=(const CellCache&) = delete;
 
   /// The only cell that contains x (finite) with a margin of its parameters u, found from the cell `from` (may be
   /// kNoCell); kNoCell if that is not certain.
@@ -53,7 +53,7 @@ class FamiliarCells {
   static constexpr std::uint32_t kOften = 8;  // hits after which the cost of caching is recovered
   static constexpr std::uint32_t kNever = ~std::uint32_t{0};
 
-  std::unique_ptr<Cell> familiar(std::uint32_t cell) const;
+  std::unique_ptr<Cell> make_entry(std::uint32_t cell) const;
   const Cell* known(std::uint32_t cell) const {
     const std::uint32_t state = state_[cell].load(std::memory_order_acquire);
     return state < kOften || state == kNever ? nullptr : cells_[state - kOften].get();

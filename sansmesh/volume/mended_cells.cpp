@@ -174,7 +174,7 @@ std::vector<std::uint32_t> join_coincident(GatheredCells& g) {
   return first;
 }
 
-std::vector<std::uint32_t> mend_cells(GatheredCells& g, VolumeFacts& facts) {
+std::vector<std::uint32_t> repair_cells(GatheredCells& g, VolumeFacts& facts) {
   const std::size_t n = g.cells.size();
   std::vector<CellState> states(n);
   parallel_for(0, n, 4096, [&](std::size_t c) { states[c] = state_of(g, g.cells.shapes[c], g.cells[c]); });

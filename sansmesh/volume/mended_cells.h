@@ -16,6 +16,6 @@ std::vector<std::uint32_t> join_coincident(GatheredCells& gathered);
 /// Replaces cells with coincident corners by cells with fewer corners, removes cells without volume and turns inverted
 /// ones. Adds to facts: degenerate, inverted. Returns the previous index of each remaining cell; empty if indices are
 /// unchanged.
-std::vector<std::uint32_t> mend_cells(GatheredCells& gathered, VolumeFacts& facts);
+std::vector<std::uint32_t> repair_cells(GatheredCells& gathered, VolumeFacts& facts);
 
 }  // namespace sansmesh::inline v1

@@ -85,18 +85,18 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   options.validate();
   if (options.method) check_options(options, volume_method(*options.method));
   ReconstructionReport own;
-  ReconstructionReport& told = report ? *report : own;
-  told = {};
-  told.options = options;
+  ReconstructionReport& r = report ? *report : own;
+  r = {};
+  r.options = options;
   VolumeValues values = volume_values(*volume, array);
   if (!options.method) {
-    ReconstructionChoice suited = choose_reconstruction(*volume, measure_volume_traits(*volume, values, progress));
-    told.options.method = std::move(suited.method), told.why = std::move(suited.why);
+    ReconstructionChoice recommended = choose_reconstruction(*volume, measure_volume_traits(*volume, values, progress));
+    r.options.method = std::move(recommended.method), r.why = std::move(recommended.why);
   }
-  const VolumeMethod& method = volume_method(*told.options.method);
+  const VolumeMethod& method = volume_method(*r.options.method);
   if (!values.filled.empty())
-    told.notes.push_back(fmt::format("{} of {} samples have no finite value: filled in from their neighbours",
-                                     values.filled.size(), volume->size()));
+    r.notes.push_back(fmt::format("{} of {} samples have no finite value: filled in from their neighbours",
+                                  values.filled.size(), volume->size()));
   ReconstructionCoefficients own_coefficients;
   ReconstructionCoefficients& used = coefficients ? *coefficients : own_coefficients;
   const std::size_t bytes = bytes_of_samples(*volume) + values.values.size() * sizeof(double);
@@ -105,9 +105,9 @@ std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVol
   if (!factors.empty() && factors[0] < 1 && method.fits) check_not_lost(values, factors[0], method.name);
   values = scaled_values(std::move(values), factors);
   std::unique_ptr<VolumeField> field =
-      method.make({std::move(volume), std::move(values), told.options, progress, told, used});
+      method.make({std::move(volume), std::move(values), r.options, progress, r, used});
   if (!used.empty()) used.scales = factors;
-  told.bytes = bytes + bytes_of_coefficients(used);
+  r.bytes = bytes + bytes_of_coefficients(used);
   if (factors.empty()) return field;
   for (double& f : factors) f = 1 / f;
   return std::make_unique<ScaledVolume>(std::move(field), std::move(factors));

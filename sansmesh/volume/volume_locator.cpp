@@ -49,7 +49,7 @@ struct VolumeLocator::State {
   double tolerance;
   BoxTree cells;
   std::vector<std::uint8_t> folded;  ///< per cell; empty if no cell is folded
-  std::unique_ptr<FamiliarCells> familiar;
+  std::unique_ptr<CellCache> cache;
 
   /// Faces without a cell on the other side, for points outside: computed on first use.
   struct Border {
@@ -74,7 +74,7 @@ struct VolumeLocator::State {
       folded[c] = is_folded(volume.cells.shapes[c], std::span(corners).first(count));
     });
     if (std::find(folded.begin(), folded.end(), 1) == folded.end()) folded = {};
-    familiar = std::make_unique<FamiliarCells>(volume, cells, folded);
+    cache = std::make_unique<CellCache>(volume, cells, folded);
   }
 
   Box3 widened(Box3 box) const {
@@ -174,7 +174,7 @@ struct VolumeLocator::State {
       return;
     }
     Vec3 u;
-    if (const std::uint32_t cell = familiar->find(x, start, kStrict, u); cell != kNoCell) {
+    if (const std::uint32_t cell = cache->find(x, start, kStrict, u); cell != kNoCell) {
       place.inside = true;
       set(place, cell);
       shape_functions(volume.cells.shapes[cell], u, place.weights);
@@ -184,7 +184,7 @@ struct VolumeLocator::State {
     place.inside = false;
     place.weights.fill(0);
     search(x, place, candidates);
-    if (place.inside) familiar->count(place.cell);
+    if (place.inside) cache->count(place.cell);
     start = place.cell;
   }
 

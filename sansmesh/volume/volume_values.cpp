@@ -65,7 +65,7 @@ void check_size(const VolumeValues& of, double spacing) {
                     printable(of.name, 60), most));
   // One component may be negligible relative to others: a direction without flow.
   if (most > 0 && most < 1 / kMost)
-    throw DataError(fmt::format("array '{}': values of at most {:.4g} are too small to be told apart",
+    throw DataError(fmt::format("array '{}': values of at most {:.4g} are too small to be distinguished",
                                 printable(of.name, 60), most));
 }
 

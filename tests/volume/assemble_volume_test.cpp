@@ -96,7 +96,7 @@ TEST(AssembleVolume, BoundaryEdgesAreThoseOfTheOuterFacesEachOnce) {
   }
 }
 
-TEST(AssembleVolume, FindsTheCellsItHasAndMendsThem) {
+TEST(AssembleVolume, RepairsCells) {
   const auto o = volume_of(o_grid({17, 5, 6}, linear_function));
   EXPECT_EQ(o->size(), (1 + 16 * 4) * 6u);  // one axis, one seam
   EXPECT_EQ(o->cells.size(), 16 * 4 * 5u);
