@@ -36,7 +36,7 @@ bool says(const Advice& advice, const std::string& words) {
                      [&](const std::string& f) { return f.find(words) != std::string::npos; });
 }
 
-TEST(Advise, SeesTheEdgesOfACube) {
+TEST(Advise, FindsTheEdgesOfACube) {
   for (const std::size_t n : {3000u, 20000u}) {
     const Advice advice = ask(test::cube(n));
     // 12 edges of 2, the diagonal 2 √3.
@@ -52,7 +52,7 @@ TEST(Advise, SeesTheEdgesOfACube) {
   }
 }
 
-TEST(Advise, SeesNothingWrongWithACleanSphere) {
+TEST(Advise, HasNoFindingsForACleanSphere) {
   const Advice advice = ask(test::sphere(20000));
   EXPECT_NEAR(advice.traits.spacing, std::sqrt(4 * std::numbers::pi / 20000), 0.1 * advice.traits.spacing);
   EXPECT_LT(advice.traits.noise_ratio(), 0.02);
@@ -80,7 +80,7 @@ TEST(Advise, SmoothsNoise) {
   }
 }
 
-TEST(Advise, SaysOfNoiseWhatCanBeKnown) {
+TEST(Advise, ReportsBoundsOfUnknownNoise) {
   CloudTraits few;
   few.samples = 1500, few.spacing = 1, few.most_noise = 0.3, few.noise_known = false;
   EXPECT_TRUE(says(advise(few), "cannot be distinguished from shape with so few samples: it is 0.3 spacings at most"));
@@ -90,7 +90,7 @@ TEST(Advise, SaysOfNoiseWhatCanBeKnown) {
   for (const CloudTraits& t : {few, frame}) EXPECT_FALSE(says(advise(t), "no noise"));
 }
 
-TEST(Advise, CleansStraySamplesFirst) {
+TEST(Advise, RemovesStraySamplesFirst) {
   PointSet cloud = test::sphere(20000);
   std::mt19937 generator(3);
   std::uniform_real_distribution<float> uniform(-2, 2);
@@ -107,7 +107,7 @@ TEST(Advise, CleansStraySamplesFirst) {
   EXPECT_LT(advice.traits.noise_ratio(), 0.05) << "stray samples are no noise";
 }
 
-TEST(Advise, SaysWhatHappensToNormals) {
+TEST(Advise, ReportsTheTreatmentOfNormals) {
   SANSMESH_NOT_SANITIZED("repeats what others run");
   PointSet cloud = test::sphere(5000);
   PointSet none = cloud, inward = cloud, mixed = cloud;
@@ -121,7 +121,7 @@ TEST(Advise, SaysWhatHappensToNormals) {
   EXPECT_TRUE(says(ask(mixed), "not oriented consistently"));
 }
 
-TEST(Advise, SeesBorders) {
+TEST(Advise, FindsBorders) {
   PointSet half;
   const PointSet ball = test::sphere(20000);
   for (std::size_t i = 0; i < ball.size(); ++i) {
@@ -137,7 +137,7 @@ TEST(Advise, SeesBorders) {
   EXPECT_NE(for_aim(advice, Aim::mesh).value().why.find("ends where the samples end"), std::string::npos);
 }
 
-TEST(Advise, TellsOpenScenesFromSolids) {
+TEST(Advise, DistinguishesOpenScenesFromSolids) {
   EXPECT_EQ(ask(test::cube(3000)).traits.open, 0);
   // A floor, and a ball above it with an eighth of the total area.
   PointSet scene;
@@ -200,7 +200,7 @@ TEST(Advise, CountsTheOpenEdgesOfFaces) {
   EXPECT_EQ(ask(soup).traits.open_edges, 0u);
 }
 
-TEST(Advise, SeesUnevenSampling) {
+TEST(Advise, FindsUnevenSampling) {
   PointSet uneven;
   const PointSet ball = test::sphere(40000);
   for (std::size_t i = 0; i < ball.size(); ++i) {
@@ -228,7 +228,7 @@ TEST(Advise, RecommendsWhatTheMethodUses) {
     }
 }
 
-TEST(Advise, RefusesWhatIsNoSurface) {
+TEST(Advise, RejectsPointsWithoutASurface) {
   PointSet few = test::sphere(8), flat, empty;
   for (int row = 0; row < 20; ++row)
     for (int column = 0; column < 20; ++column)

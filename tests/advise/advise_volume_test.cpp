@@ -24,7 +24,7 @@ VolumeOffer resolved() {
   return offer;
 }
 
-TEST(AdviseVolume, SurfacesOfWhatIsResolvedAreIsosurfaces) {
+TEST(AdviseVolume, ResolvedVolumesGetIsosurfaces) {
   const auto list = advise_volume(resolved());
   ASSERT_NE(find(list, VolumeAim::surface), nullptr);
   EXPECT_FALSE(find(list, VolumeAim::surface)->by_samples);
@@ -49,7 +49,7 @@ TEST(AdviseVolume, CoarseLatticesWithStepsHaveBordersFirst) {
   EXPECT_FALSE(find(advise_volume(offer), VolumeAim::surface)->by_samples);
 }
 
-TEST(AdviseVolume, FlowsThatChangeHavePathsAndSteadyOnesStreams) {
+TEST(AdviseVolume, UnsteadyFlowsGetPathLinesSteadyOnesStreamLines) {
   VolumeOffer offer = resolved();
   offer.vectors = true;
   const auto steady = advise_volume(offer);

@@ -34,7 +34,7 @@ GridData with_arrays() {
   return data;
 }
 
-TEST(VolumeDataset, ShowsTheFirstRealArrayOfOneNumberThatVaries) {
+TEST(VolumeDataset, DefaultIsTheFirstVaryingRealScalar) {
   const VolumeDataset dataset(with_arrays());
   EXPECT_EQ(dataset.default_array().name, "f");
   EXPECT_EQ(dataset.default_array().of, Association::points);
@@ -42,7 +42,7 @@ TEST(VolumeDataset, ShowsTheFirstRealArrayOfOneNumberThatVaries) {
   EXPECT_EQ(dataset.array("where").components, 3u);
 }
 
-TEST(VolumeDataset, KnowsComponentsByNumberAndName) {
+TEST(VolumeDataset, FindsComponentsByNumberAndName) {
   const VolumeDataset dataset(with_arrays());
   EXPECT_FALSE(dataset.choose("where").component);
   EXPECT_EQ(*dataset.choose("where:2").component, 2u);
@@ -50,7 +50,7 @@ TEST(VolumeDataset, KnowsComponentsByNumberAndName) {
   EXPECT_TRUE(dataset.choose("where:magnitude").magnitude);
 }
 
-TEST(VolumeDataset, TellsTheMemoryOfAField) {
+TEST(VolumeDataset, ReportsTheMemoryOfAField) {
   VolumeDataset dataset(with_arrays());
   const auto bytes_of = [&](const std::string& method) {
     ReconstructionOptions options;
@@ -71,7 +71,7 @@ TEST(VolumeDataset, TellsTheMemoryOfAField) {
   EXPECT_GT(bytes_of("mls-detail"), linear + numbers * (8 + 3 * 4));
 }
 
-TEST(VolumeDataset, SaysWhatThereIsWhereANameIsWrong) {
+TEST(VolumeDataset, ErrorsNameAvailableArrays) {
   const VolumeDataset dataset(with_arrays());
   const auto message_of = [&](const std::string& text) {
     try {

@@ -36,7 +36,7 @@ std::string why_not(const GridData& data) {
   return {};
 }
 
-TEST(TetDataset, TurnsDropsAndKeepsNumbers) {
+TEST(TetDataset, TurnsAndRemovesCellsAndKeepsNumbers) {
   GridData data;
   GridBlock& b = data.blocks.emplace_back(cube_corners());
   b.points.insert(b.points.begin(), Vec3{9, 9, 9});  // unused point
@@ -65,7 +65,7 @@ TEST(TetDataset, TurnsDropsAndKeepsNumbers) {
   EXPECT_EQ(d.notes[2], "1 point without tetrahedra left out");
 }
 
-TEST(TetDataset, CutsOtherCellsIntoAsMuchVolume) {
+TEST(TetDataset, SubdivisionKeepsTheVolume) {
   GridData data;
   GridBlock& b = data.blocks.emplace_back(cube_corners());
   b.cells.add(CellShape::hexahedron, std::vector<std::uint32_t>{0, 1, 3, 2, 4, 5, 7, 6});
@@ -87,7 +87,7 @@ TEST(TetDataset, CutsOtherCellsIntoAsMuchVolume) {
   EXPECT_EQ(two.vertex(9 + 4), 5u);
 }
 
-TEST(TetDataset, SaysWhyNot) {
+TEST(TetDataset, ErrorsNameTheReason) {
   GridData data;
   EXPECT_EQ(why_not(data), "holds no tetrahedra");
   data.blocks.emplace_back(cube_corners()).kind = GridKind::lattice;

@@ -116,7 +116,7 @@ TEST_F(VolumeFile, AnswersTheSameToTheBitByMethodsWithoutCoefficients) {
   expect_same_field(bent_grid({6, 7, 5}, wavy), wide);
 }
 
-TEST_F(VolumeFile, TakesTheCoefficientsOfTheFileInPlaceOfAFit) {
+TEST_F(VolumeFile, UsesStoredCoefficientsInsteadOfAFit) {
   // Adding a half to each coefficient adds a half everywhere where linear interpolation, which uses the unchanged
   // values in the file, has no share.
   Progress progress;
@@ -137,7 +137,7 @@ TEST_F(VolumeFile, TakesTheCoefficientsOfTheFileInPlaceOfAFit) {
   for (std::size_t i = 0; i < before.values.size(); ++i) EXPECT_NEAR(after.values[i], before.values[i] + 0.5, 1e-5);
 }
 
-TEST_F(VolumeFile, IsTheSameForAnyNumberOfThreadsAndWhenWrittenAgain) {
+TEST_F(VolumeFile, IsDeterministicAndRewritesIdentically) {
   const auto bytes = [&] {
     Progress progress;
     VolumeDataset dataset(three_overlapping_blocks(6, wavy));
@@ -183,7 +183,7 @@ GridData several_arrays() {
   return data;
 }
 
-TEST_F(VolumeFile, KeepsWhatIsKnownOfTheData) {
+TEST_F(VolumeFile, KeepsArraysFactsAndNotes) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
   VolumeDataset opened = stored(dataset.fit("where", by("linear"), true, progress));
@@ -211,7 +211,7 @@ TEST_F(VolumeFile, KeepsWhatIsKnownOfTheData) {
   EXPECT_THROW(opened.volume(Association::cells, progress), DataError);
 }
 
-TEST_F(VolumeFile, ReconstructsAnewWhatItDoesNotHoldReady) {
+TEST_F(VolumeFile, ReconstructsOtherRequestsAgain) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
   ReconstructionOptions planes = by("mls-detail");
@@ -235,7 +235,7 @@ TEST_F(VolumeFile, ReconstructsAnewWhatItDoesNotHoldReady) {
   EXPECT_EQ(report.by_degree[2] + report.by_degree[3], 0u);
 }
 
-TEST_F(VolumeFile, SaysWhatItHoldsWhereSomethingElseIsAskedFor) {
+TEST_F(VolumeFile, ErrorsNameItsArrays) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
   VolumeDataset opened = stored(dataset.fit("f", by("linear"), false, progress));
@@ -248,7 +248,7 @@ TEST_F(VolumeFile, SaysWhatItHoldsWhereSomethingElseIsAskedFor) {
   EXPECT_THROW(opened.field({"f", {}, false}, by("cubic"), progress), ArgumentError);  // no lattice
 }
 
-TEST_F(VolumeFile, LeavesNothingBehindWhereItCannotBeWritten) {
+TEST_F(VolumeFile, FailedWritesLeaveNoFile) {
   Progress progress;
   VolumeDataset dataset(several_arrays());
   FittedVolume fitted = dataset.fit("f", by("mls-detail"), false, progress);

@@ -110,7 +110,7 @@ TEST(FlowInTime, InterpolatesBetweenStepsAndIsExactAtThem) {
 }
 
 /// Batches within one interval use another code path than mixed ones.
-TEST(FlowInTime, AnAnswerDependsOnItsPlaceAndMomentAlone) {
+TEST(FlowInTime, AnswersDependOnPointAndTimeAlone) {
   for (const auto interpolation : {TimeInterpolation::constant, TimeInterpolation::linear, TimeInterpolation::cubic}) {
     Series series(6, swaying);
     const auto flow = series.flow(interpolation, 10 * kStepBytes);
@@ -135,7 +135,7 @@ TEST(FlowInTime, AnAnswerDependsOnItsPlaceAndMomentAlone) {
 }
 
 /// Moving grids: between two steps both must contain the point.
-TEST(FlowInTime, AStepIsAskedAloneAtItsMoment) {
+TEST(FlowInTime, OnlyOneStepIsUsedAtItsTime) {
   Series series(4, swaying);
   series.broken = 2;
   const auto flow = series.flow(TimeInterpolation::linear, 0);
@@ -147,7 +147,7 @@ TEST(FlowInTime, AStepIsAskedAloneAtItsMoment) {
   EXPECT_NO_THROW(at(*flow, 0.5));
 }
 
-TEST(FlowInTime, SaysWhichTimesAreWrong) {
+TEST(FlowInTime, ErrorsNameWrongTimes) {
   const auto load = [](std::size_t) -> FlowStep { throw DataError("nothing is to be read"); };
   const auto why = [&](const std::vector<double>& times) {
     try {
@@ -201,7 +201,7 @@ TEST(FlowInTime, KeepsAsManyStepsAsTheMemoryHolds) {
   }
 }
 
-TEST(FlowInTime, WhatIsReadAheadListensToNoCallThatEnded) {
+TEST(FlowInTime, ReadingAheadOutlivesTheCall) {
   std::atomic<bool> go = false;
   std::vector<std::size_t> taken;
   const auto load = [&](std::size_t i) {
@@ -234,7 +234,7 @@ TEST(FlowInTime, WhatIsReadAheadListensToNoCallThatEnded) {
   flow.reset();  // does not wait for the step
 }
 
-TEST(FlowInTime, PathSurfacesOfStepsThatAreAlikeAreStreamSurfaces) {
+TEST(FlowInTime, PathSurfacesOfEqualStepsAreStreamSurfaces) {
   const auto saddle = [](const Vec3& x, double) { return Vec3{x.x, -x.y, 0} * 0.5; };
   const SeedCurve curve{{{-0.1, 1.5, 0}, {0.15, 1.5, 0.3}}, false};
   for (const auto interpolation : {TimeInterpolation::constant, TimeInterpolation::linear, TimeInterpolation::cubic}) {
@@ -256,7 +256,7 @@ TEST(FlowInTime, PathSurfacesOfStepsThatAreAlikeAreStreamSurfaces) {
 }
 
 /// Fronts with inserted particles restart at the seeds' time, partly in parallel.
-TEST(FlowInTime, SurfacesAreTheSameWhateverIsKept) {
+TEST(FlowInTime, SurfacesDoNotDependOnTheStepsKept) {
   const auto shear = [](const Vec3& x, double t) { return Vec3{0.05 + 0.2 * x.y * x.y * (1 + 0.1 * t), 0, 0}; };
   const SeedCurve curve{{{-1.9, -1, 0}, {-1.9, 1, 0}}, false};
   FlowSurfaceOptions options;

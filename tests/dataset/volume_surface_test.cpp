@@ -132,7 +132,7 @@ TEST(VolumeSurface, IsSmoothInNoise) {
 }
 
 /// If brightness fades from one side to the other by a factor of three, no iso-value follows the border.
-TEST(VolumeSurface, HighGradientFollowsABorderThatNoValueDoes) {
+TEST(VolumeSurface, HighGradientFollowsBordersWithoutAnIsovalue) {
   const double step = 1.0 / 32;
   const auto f = ball(step);
   const auto fading = [&](const Vec3& x) { return (1 + f(x)) * (1.5 - 1.0 * x.x); };
@@ -173,7 +173,7 @@ TEST(VolumeSurface, PointsLieOnItEvenly) {
   }
 }
 
-TEST(VolumeSurface, PointsStayInTheVolumeAndAreAsDenseWhereSamplesAreCoarse) {
+TEST(VolumeSurface, PointsStayInTheVolumeWithUniformDensity) {
   // Steps grow from one side to the other, by a factor of ten.
   const Made m = made_of(test::stretched_grid(
       {25, 25, 17}, [](const Vec3& x) { return x.z - 0.4; }, 1.1));
@@ -206,7 +206,7 @@ TEST(VolumeSurface, IsTheSameInHugeAndTinyUnits) {
 }
 
 /// Parts represented by only a few samples are removed, unless all parts are requested.
-TEST(VolumeSurface, PartsThatTheWeightsCannotTellAreLeftOut) {
+TEST(VolumeSurface, UnresolvedPartsAreRemoved) {
   const double step = 1.0 / 32;
   const auto f = ball(step);
   const Vec3 speck{3 * step, 4 * step, 5 * step};
@@ -226,7 +226,7 @@ TEST(VolumeSurface, PartsThatTheWeightsCannotTellAreLeftOut) {
 
 /// Next to a border ten times as strong the faint one is found, but not with gradients relative to the global maximum,
 /// nor below the smallest gradient requested.
-TEST(VolumeSurface, FaintBordersCountUnlessToldOtherwise) {
+TEST(VolumeSurface, FaintBordersCountByDefault) {
   const auto f = [](const Vec3& x) { return std::tanh((x.z - 0.3) * 30) + 0.15 * std::tanh((x.z - 0.7) * 30); };
   const Made m = made_of(test::lattice_grid({17, 17, 33}, f));
   const auto height_of = [&](const VolumeSurfaceOptions& o) {
@@ -248,7 +248,7 @@ TEST(VolumeSurface, FaintBordersCountUnlessToldOtherwise) {
   EXPECT_NEAR(height_of(options), 0.3, 0.02);
 }
 
-TEST(VolumeSurface, WeightsAreWiderWithNoiseAndAsAsked) {
+TEST(VolumeSurface, WidthOfWeightsFollowsNoiseAndOptions) {
   const double step = 1.0 / 24;
   const Made m = made_of(test::lattice_grid({25, 25, 25}, ball(step)));
   VolumeSurfaceOptions steep;
@@ -262,7 +262,7 @@ TEST(VolumeSurface, WeightsAreWiderWithNoiseAndAsAsked) {
 }
 
 /// The field of rays and polygonisers differs little from the projection itself.
-TEST(VolumeSurface, FeetStandForTheProjection) {
+TEST(VolumeSurface, FieldOfFeetApproximatesTheProjection) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others make the same surfaces");
   const double step = 1.0 / 24;
   const Made m = made_of(test::lattice_grid({25, 25, 25}, noisy(ball(step), 0.02)));
@@ -289,7 +289,7 @@ TEST(VolumeSurface, DoesNotDependOnThreads) {
   });
 }
 
-TEST(VolumeSurface, SaysWhatIsWrong) {
+TEST(VolumeSurface, ErrorsNameTheCause) {
   const Made m = made_of(test::lattice_grid({9, 9, 9}, ball(0.1)));
   EXPECT_THROW(surface_of(m, at(7)), DataError);
   EXPECT_THROW(surface_of(m, at(-1e-9)), DataError);  // where layers would still reach

@@ -120,7 +120,7 @@ TEST_F(WrongVolumeFile, OtherKindsOfFiles) {
   EXPECT_TRUE(is_volume_name(file));
 }
 
-TEST_F(WrongVolumeFile, SectionsThatAreMissingOrOfAnotherSize) {
+TEST_F(WrongVolumeFile, MissingOrResizedSections) {
   for (const std::string* const good : {&mesh_, &lattice_}) {
     const std::vector<RawSection> sections = unpacked(*good);
     for (std::size_t k = 0; k < sections.size(); ++k) {
@@ -185,7 +185,7 @@ TEST_F(WrongVolumeFile, Coefficients) {
     expect_bad_element<std::uint64_t>(mesh_, "COEFFBEG", k, [](std::uint64_t& at) { at += 3; });
 }
 
-TEST_F(WrongVolumeFile, BytesAtRandomUnderRightChecksums) {
+TEST_F(WrongVolumeFile, RandomBytesWithCorrectChecksums) {
   std::mt19937 random(11);
   std::size_t read = 0;
   for (int k = 0; k < 200; ++k) {

@@ -94,7 +94,7 @@ TEST(MeasureSolid, ComponentsCavitiesAndOpenParts) {
   EXPECT_EQ(m.components[2].open_edges, 3u);
 }
 
-TEST(MeasureSolid, TellsSolidsCavitiesAndOverlapsApart) {
+TEST(MeasureSolid, DistinguishesSolidsCavitiesAndOverlaps) {
   const auto at = [](const Vec3f& low, const Vec3f& high, bool inward) {
     TriangleMesh box = test::box_mesh(low, high);
     return inward ? test::turned_inside_out(box) : box;
@@ -123,7 +123,7 @@ TEST(MeasureSolid, TellsSolidsCavitiesAndOverlapsApart) {
   EXPECT_EQ(m.crossing_pairs, 0u);
 }
 
-TEST(MeasureSolid, TheSameBodyTwiceLiesWithinItself) {
+TEST(MeasureSolid, DuplicateBodiesAreNested) {
   // Faces coincide, and rounding must not decide which is above.
   for (int k = 0; k < 6; ++k) {
     SCOPED_TRACE(k);
@@ -153,7 +153,7 @@ TEST(MeasureSolid, ManyLongBodiesBesideEachOther) {
   EXPECT_EQ(std::count_if(m.components.begin(), m.components.end(), [](const auto& b) { return b.misplaced(); }), 0);
 }
 
-TEST(MeasureSolid, FindsTrianglesThatCutThroughEachOther) {
+TEST(MeasureSolid, FindsIntersectingTriangles) {
   const TriangleMesh sphere = test::octasphere(4);
   EXPECT_EQ(measure_solid(sphere).crossing_pairs, 0u);
   const SolidMeasures apart = measure_solid(test::joined(sphere, sphere, {2.5f, 0, 0}));
@@ -164,7 +164,7 @@ TEST(MeasureSolid, FindsTrianglesThatCutThroughEachOther) {
   for (const BodyMeasures& b : overlapping.components) EXPECT_FALSE(b.misplaced()) << "most of it stands free";
 }
 
-TEST(MeasureSolid, ClosedMeansThatNoDirectionIsLeftOver) {
+TEST(MeasureSolid, ClosedMeansBalancedEdges) {
   TriangleMesh box = test::box_mesh({0, 0, 0}, {1, 1, 1});
   std::swap(box.triangles[3][0], box.triangles[3][1]);
   EXPECT_EQ(measure_solid(box).whole.open_edges, 3u);  // its edges are traversed twice in the same direction

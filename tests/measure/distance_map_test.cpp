@@ -61,7 +61,7 @@ TEST(DistanceMap, TorusAgainstAThickerOne) {
   EXPECT_DOUBLE_EQ(*compare(thin, torus, {.within = 0.01}).statistics.within_tolerance, 0);
 }
 
-TEST(DistanceMap, FieldAndMeshTellTheSame) {
+TEST(DistanceMap, FieldAndMeshAgree) {
   const TriangleMesh part = test::scaled(test::octasphere(5), 0.98f), sphere = test::octasphere(6);
   const test::SphereField field(1);
   Progress progress;
@@ -106,7 +106,7 @@ TEST(DistanceMap, WeightsAreAreas) {
   EXPECT_NEAR(s.histogram[34], 0.5, 1e-12);
 }
 
-TEST(DistanceMap, WhatIsLeftOutIsCounted) {
+TEST(DistanceMap, CountsPointsLeftOut) {
   TriangleMesh part = test::octasphere(3);
   part.vertices[0] = {NAN, 0, 0};
   part.vertices[1] = {-40, 0, 0};
@@ -132,7 +132,7 @@ TEST(DistanceMap, WhatIsLeftOutIsCounted) {
   EXPECT_THROW(compare(sphere, {}), DataError);
 }
 
-TEST(DistanceMap, WhereNothingIsFoundCountsApartFromFar) {
+TEST(DistanceMap, CountsLostAndFarPointsSeparately) {
   TriangleMesh part;
   part.vertices = {{0, 0, 0}, {1.01f, 0, 0}, {3, 0, 0}};
   const test::SphereField sphere(1);

@@ -53,7 +53,7 @@ TEST(SectionMesh, SphereIsACircleCounterClockwise) {
   EXPECT_TRUE(section_mesh(sphere, axis_plane(2, 1.5)).curves.empty());
 }
 
-TEST(SectionMesh, HolesRunTheOtherWay) {
+TEST(SectionMesh, HolesAreClockwise) {
   const TriangleMesh torus = test::torus_mesh(200, 100);
   const Section flat = section_mesh(torus, axis_plane(2, 0.01));
   expect_consistent(flat);
@@ -95,7 +95,7 @@ TEST(SectionMesh, VerticesEdgesAndFacesInThePlane) {
   EXPECT_TRUE(section_mesh(test::octasphere(2), axis_plane(2, 1)).curves.empty());
 }
 
-TEST(SectionMesh, ClosedMeshesGiveClosedCurvesHoweverTheyAreCut) {
+TEST(SectionMesh, ClosedMeshesGiveClosedCurves) {
   // Integer coordinates, so that planes often meet vertices, edges and faces exactly.
   TriangleMesh mesh = test::joined(test::box_mesh({0, 0, 0}, {4, 4, 4}),
                                    test::turned_inside_out(test::box_mesh({1, 1, 1}, {3, 3, 3})), {});

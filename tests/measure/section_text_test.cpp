@@ -44,7 +44,7 @@ TEST(SectionText, CsvHoldsEveryVertex) {
   EXPECT_FALSE(std::getline(rows, row));
 }
 
-TEST(SectionText, SvgHasOneGroupAPlane) {
+TEST(SectionText, SvgHasOneGroupPerPlane) {
   const TriangleMesh torus = test::torus_mesh(20, 10);
   std::vector<Section> sections;
   for (const CutPlane& plane : plane_series(2, -0.5, 0.1, 11)) sections.push_back(section_mesh(torus, plane));
@@ -76,7 +76,7 @@ TEST(SectionText, TrueToScale) {
   EXPECT_THROW(section_svg(section, {.unit = "furlong"}), ArgumentError);
 }
 
-TEST(SectionText, LettersAreLargeEnoughForEveryRendererAndFit) {
+TEST(SectionText, LettersAreReadableAndFit) {
   // Renderers misplace letters of fonts smaller than a few units: the layout must not depend on the unit.
   const TriangleMesh torus = test::torus_mesh(20, 10);
   std::vector<Section> sections;
@@ -100,7 +100,7 @@ TEST(SectionText, LettersAreLargeEnoughForEveryRendererAndFit) {
   EXPECT_NE(section_svg(sections, {.unit = "cm"}).find(" cm\u00B2"), std::string::npos);
 }
 
-TEST(SectionText, FarPlacesAreDrawnRelativeToOneNearby) {
+TEST(SectionText, FarSectionsUseANearbyOrigin) {
   TriangleMesh box = test::box_mesh({0, 0, 0}, {5, 3, 1});
   box.origin = {512345, 4054321, 0};
   const Section section[] = {section_mesh(box, axis_plane(2, 0.5))};

@@ -32,7 +32,7 @@ double box_distance(const Vec3& p, const Vec3& low, const Vec3& high) {
   return squared_norm(out) > 0 ? norm(out) : -std::min({in.x, in.y, in.z});
 }
 
-TEST(MeshDistance, BoxIsRightEverywhereEdgesAndCornersIncluded) {
+TEST(MeshDistance, IsExactAroundABox) {
   const TriangleMesh box = test::box_mesh({-1, -1, -1}, {1, 2, 3});
   const MeshDistance surface(box);
   std::mt19937 random(1);
@@ -105,7 +105,7 @@ TEST(MeshDistance, SoupsAreJoinedByPosition) {
   }
 }
 
-TEST(MeshDistance, DegenerateTrianglesHaveNoSay) {
+TEST(MeshDistance, DegenerateTrianglesHaveNoEffect) {
   // A vertex in the middle of an edge of its neighbours, closed by a triangle without area.
   TriangleMesh box = test::box_mesh({0, 0, 0}, {2, 1, 1});
   box.vertices.push_back({1, 1, 1});  // 8, on the edge 6-7
@@ -170,7 +170,7 @@ TEST(MeshDistance, NothingToMeasureFrom) {
   EXPECT_TRUE(std::isnan(ask(FieldDistance(sphere), {0, NAN, 0}).distance));
 }
 
-TEST(PointsDistance, SamplesStandForTheSurfaceBetweenThem) {
+TEST(PointsDistance, ApproximatesTheSurfaceBetweenSamples) {
   TriangleMesh sphere = test::octasphere(5);
   sphere.normals = sphere.vertices;
   sphere.triangles.clear();
@@ -243,7 +243,7 @@ TEST(FieldDistance, AgreesWithTheMesh) {
   EXPECT_GT(compared, 2000);
 }
 
-TEST(FieldDistance, FarPointsAreNotFollowed) {
+TEST(FieldDistance, StopsAtFarPoints) {
   const test::SphereField sphere(1);
   const FieldDistance kept(sphere);
   EXPECT_TRUE(std::isnan(ask(kept, {3, 0, 0}, 0.5).distance));
@@ -267,7 +267,7 @@ std::vector<MeasuredPoint> ask_all(const SignedDistance& surface, const std::vec
 }
 
 /// Values of fitted functions are floats: Newton's steps end in noise, which must count as convergence.
-TEST(FieldDistance, FittedFunctionsAreMeasuredAtAllOfTheirSamples) {
+TEST(FieldDistance, ConvergesAtAllSamplesOfFittedFunctions) {
   const double noise = 0.02;
   PointSet cloud = test::sphere(6000);
   std::mt19937 random(8);
@@ -340,7 +340,7 @@ class RoughField : public ScalarField {
   }
 };
 
-TEST(FieldDistance, SignsLeadWhereNewtonDoesNot) {
+TEST(FieldDistance, BisectsWhereNewtonFails) {
   const RoughField rough;  // Newton's step from d leads to −2 d; 1e-6 of the diagonal is 7e-6
   std::mt19937 random(9);
   std::normal_distribution<double> normal;
@@ -372,13 +372,13 @@ class TwoBalls : public ScalarField {
   }
 };
 
-TEST(FieldDistance, NoPartIsSteppedOver) {
+TEST(FieldDistance, SkipsNoPartOfTheSurface) {
   const TwoBalls balls;
   const FieldDistance surface(balls);
   for (const double x : {1.6, 2.0, 2.5, 3.0, 4.0, 6.0}) EXPECT_NEAR(ask(surface, {x, 0, 0}).distance, x - 1.5, 1e-6);
 }
 
-TEST(FieldDistance, FarAndLostAreToldApart) {
+TEST(FieldDistance, DistinguishesFarAndLostPoints) {
   const test::SphereField sphere(1);
   const FieldDistance surface(sphere);
   EXPECT_FALSE(ask(surface, {3, 0, 0}, 0.5).lost);

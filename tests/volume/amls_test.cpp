@@ -43,7 +43,7 @@ LocalPolynomialOptions polynomials_of_amls() {
   return options;
 }
 
-TEST(Amls, BallsReachOverCellsThatEllipsoidsFit) {
+TEST(Amls, SpheresReachAcrossCellsThatEllipsoidsFit) {
   // Cells forty times as long as high, with waves across them.
   const auto layered = [](const Vec3& x) { return std::sin(120 * x.z) + x.x; };
   GridData data = bent_grid({9, 9, 81}, layered);
@@ -73,7 +73,7 @@ TEST(Amls, BallsReachOverCellsThatEllipsoidsFit) {
 }
 
 // The values at samples left out change the predictions there only by rounding.
-TEST(AmlsTrial, SamplesLeftOutActOnNothing) {
+TEST(AmlsTrial, SamplesLeftOutHaveNoInfluence) {
   // The last one is large enough for patches.
   for (const auto& [data, association] : {std::pair{bent_grid({9, 9, 9}, hilly), Association::points},
                                           std::pair{lattice_grid({9, 9, 9}, hilly), Association::points},
@@ -107,7 +107,7 @@ TEST(AmlsTrial, SamplesLeftOutActOnNothing) {
   }
 }
 
-TEST(AmlsTrial, LinearFunctionsAreNotMissed) {
+TEST(AmlsTrial, LinearFunctionsArePredictedExactly) {
   const auto volume = volume_of(bent_grid({9, 9, 9}, linear_function));
   Progress progress;
   const VolumeValues values = volume_values(*volume, "f");
@@ -121,7 +121,7 @@ TEST(AmlsTrial, LinearFunctionsAreNotMissed) {
   });
 }
 
-TEST(AmlsField, IsNowhereFartherOffThanLinear) {
+TEST(AmlsField, IsNowhereWorseThanLinear) {
   SANSMESH_RUNS_ONCE("judges accuracy; others reconstruct the same grids");
   for (const auto& f : {VolumeFunction(hilly), VolumeFunction(front)})
     for (const NamedGrid& grid : all_grids(f)) {
@@ -159,7 +159,7 @@ std::set<std::uint32_t> around(const SampledVolume& volume, const VolumePlace& p
 }
 
 // The lists of cells contain all supports that reach their points and are connected to them.
-TEST(SupportIndex, NothingThatReachesACellIsMissing) {
+TEST(SupportIndex, ContainsAllSupportsThatReachACell) {
   for (const auto& data : {bent_grid({6, 7, 5}, hilly, 1.4), tetrahedra_grid({5, 5, 5}, hilly),
                            lattice_grid({7, 6, 5}, hilly), stretched_grid({7, 6, 5}, hilly)}) {
     const auto volume = volume_of(data);
@@ -189,7 +189,7 @@ TEST(SupportIndex, NothingThatReachesACellIsMissing) {
 }
 
 // Compared with sequential sums in double precision.
-TEST(AmlsKernels, SumsAreThoseOfTheFormula) {
+TEST(AmlsKernels, SumsFollowTheFormula) {
   std::mt19937 random(3);
   const auto uniform = [&] { return static_cast<float>(random()) / 2147483648.0f - 1; };
   constexpr std::size_t kSupports = 45, kComponents = 2, kBlocks = 3;

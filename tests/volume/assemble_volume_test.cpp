@@ -65,7 +65,7 @@ double length_of(const PolylineSet& lines) {
   return sum;
 }
 
-TEST(AssembleVolume, BoundaryEdgesAreThoseOfTheOuterFacesEachOnce) {
+TEST(AssembleVolume, BoundaryEdgesAreUniqueEdgesOfOuterFaces) {
   // A unit cube of 3 × 3 × 3 cells: on every axis 4 lines on each of two sides, and 2 on each of the two others.
   const GridData lattice = lattice_grid({4, 4, 4}, linear_function);
   const PolylineSet lines = boundary_edges(*volume_of(lattice));
@@ -235,7 +235,7 @@ TEST(AssembleVolume, FlatBlocksBecomeOneSlab) {
   }
 }
 
-TEST(AssembleVolume, SheetsHaveNoTwistsHoweverTheyAreWound) {
+TEST(AssembleVolume, SheetsHaveConsistentSides) {
   // A closed sheet with random orientation of cells becomes a shell of even thickness.
   const GridBlock ring =
       curvilinear_block(lattice_block({25, 9, 1}, {0, 0, 0}, {2 * std::numbers::pi, 1, 0}), [](const Vec3& x) {
@@ -263,7 +263,7 @@ TEST(AssembleVolume, SheetsHaveNoTwistsHoweverTheyAreWound) {
   EXPECT_NEAR(volume_of_cells(*volume), area * std::cos(std::numbers::pi / 24) * 2 * half, 1e-9);
 }
 
-TEST(AssembleVolume, HiddenAndNotFinitePointsTakeTheirCellsAlong) {
+TEST(AssembleVolume, HiddenAndNonFinitePointsRemoveTheirCells) {
   GridData data = bent_grid({5, 5, 5}, linear_function);
   data.blocks[0].hidden_points.assign(125, 0);
   data.blocks[0].hidden_points[62] = 1;
@@ -281,7 +281,7 @@ TEST(AssembleVolume, HiddenAndNotFinitePointsTakeTheirCellsAlong) {
   EXPECT_NEAR(measure_size(volume_boundary(*hollow)).volume, 26.0 / 27, 1e-6);
 }
 
-TEST(AssembleVolume, PartsAreTold) {
+TEST(AssembleVolume, PartsAreNumbered) {
   GridData data = lattice_grid({3, 3, 3}, linear_function);
   GridBlock far = lattice_block({3, 3, 3}, {5, 5, 5}, {6, 6, 6});
   set_function(far, linear_function);
@@ -314,7 +314,7 @@ TEST(AssembleVolume, ScatteredPointsFillTheirHull) {
   }
 }
 
-TEST(AssembleVolume, OrderOfScatteredPointsDoesNotShow) {
+TEST(AssembleVolume, OrderOfScatteredPointsHasNoEffect) {
   GridData data = scattered_grid(500, linear_function), other = data;
   std::reverse(other.blocks[0].points.begin(), other.blocks[0].points.end());
   set_function(other.blocks[0], linear_function);
@@ -330,7 +330,7 @@ TEST(AssembleVolume, OrderOfScatteredPointsDoesNotShow) {
   EXPECT_EQ(one->cells.corners, two->cells.corners);
 }
 
-TEST(AssembleVolume, BadDataAreAnsweredByOneLine) {
+TEST(AssembleVolume, BadDataGiveOneLineErrors) {
   Progress progress;
   const auto refused = [&](const GridData& data, Association a = Association::points) {
     try {
@@ -380,7 +380,7 @@ TEST(AssembleVolume, BadDataAreAnsweredByOneLine) {
   EXPECT_TRUE(refused(plane, Association::cells));
 }
 
-TEST(AssembleVolume, LengthsThatAreNothingBesideTheExtentAreNone) {
+TEST(AssembleVolume, NegligibleLengthsBecomeZero) {
   GridData data = bent_grid({3, 3, 3}, linear_function);
   for (std::size_t p = 0; p < 9; ++p) data.blocks[0].points[p].x = 1e-310 * static_cast<double>(p);
   Progress progress;

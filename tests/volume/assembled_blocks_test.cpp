@@ -17,7 +17,7 @@
 namespace sansmesh::test {
 namespace {
 
-TEST(AssembleVolume, OrderOfBlocksDoesNotShow) {
+TEST(AssembleVolume, OrderOfBlocksHasNoEffect) {
   for (const auto& [name, data] : {std::pair{"overlapping", three_overlapping_blocks(6, linear_function)},
                                    std::pair{"amr", two_level_amr(8, linear_function)},
                                    std::pair{"amr, not blanked", two_level_amr(8, linear_function, false)},
@@ -39,7 +39,7 @@ TEST(AssembleVolume, SameOnAnyNumberOfThreads) {
                   [](const auto& a, const auto& b) { EXPECT_TRUE(same_but_for_blocks(*a, *b)); });
 }
 
-TEST(AssembleVolume, LeavesOfLevelsCoverEverythingOnce) {
+TEST(AssembleVolume, LeavesOfLevelsCoverAllSpaceOnce) {
   for (const bool blanked : {true, false}) {
     const auto volume = volume_of(two_level_amr(8, linear_function, blanked), Association::cells);
     EXPECT_EQ(volume->size(), 512u - 64 + 512);
@@ -108,7 +108,7 @@ TEST(AssembleVolume, OverlapsKeepTheFinerSamplesAndNoHoles) {
   }
 }
 
-TEST(AssembleVolume, StarsReachAcrossBlocksThatDoNotFit) {
+TEST(AssembleVolume, StarsConnectNonConformingBlocks) {
   for (const Association a : {Association::points, Association::cells}) {
     const auto volume = volume_of(abutting_blocks(5, 7, linear_function), a);
     EXPECT_EQ(volume->facts.parts, 1u);
@@ -121,7 +121,7 @@ TEST(AssembleVolume, StarsReachAcrossBlocksThatDoNotFit) {
   }
 }
 
-TEST(AssembleVolume, CellsThatTwoBlocksHaveCountOnce) {
+TEST(AssembleVolume, DuplicateCellsCountOnce) {
   // Each block repeats a layer of the other, as in output of parallel programs; and a duplicate block.
   const auto box = [](double from, double to, std::size_t n) {
     GridBlock block =
@@ -181,7 +181,7 @@ TEST(AssembleVolume, ArraysOfSeveralTypesKeepTheirNumbers) {
   }
 }
 
-TEST(AssembleVolume, WhatABlockHasNotIsUnknownThere) {
+TEST(AssembleVolume, MissingArraysAreUnknown) {
   GridData data = abutting_blocks(5, 5, linear_function);
   set_rounded<std::int32_t>(data.blocks[0], "integers"), set_rounded<float>(data.blocks[0], "reals");
   // The array of the block with more points determines the type.

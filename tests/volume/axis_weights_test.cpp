@@ -122,7 +122,7 @@ TEST(CubicAxis, IsSmoothAndItsSlopesAreDerivatives) {
   expect_interpolates(CubicAxis(kUneven, false, 0, 0.5), kUneven);
 }
 
-TEST(CubicAxis, NeedsTwoKnotsOnly) {
+TEST(CubicAxis, WorksWithTwoKnots) {
   expect_reproduced(CubicAxis(std::vector<double>{0, 2}, true, 0, 0.5), {0, 2}, 1, 0, 2);
   expect_reproduced(CubicAxis(std::vector<double>{0, 2, 3}, false, 0, 0.5), {0, 2, 3}, 2, 0, 3);
   expect_reproduced(CubicAxis(std::vector<double>{0, 2, 3, 7}, false, 0, 0.5), {0, 2, 3, 7}, 2, 0, 7);

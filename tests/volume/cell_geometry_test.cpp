@@ -65,7 +65,7 @@ TEST(CellGeometry, InvertsItsShapeFunctions) {
       }
 }
 
-TEST(CellGeometry, NoPlaceOfACellIsNearerThanTheNearest) {
+TEST(CellGeometry, NearestPointIsTheNearest) {
   std::mt19937 random(2);
   for (const CellShape shape : kShapes)
     for (int i = 0; i < 30; ++i) {
@@ -88,7 +88,7 @@ TEST(CellGeometry, NoPlaceOfACellIsNearerThanTheNearest) {
     }
 }
 
-TEST(CellGeometry, WhatIsRuledOutIsOutOfReach) {
+TEST(CellGeometry, RejectedPointsAreOutOfReach) {
   std::mt19937 random(4);
   const auto uniform = [&] { return 2.4 * static_cast<double>(random()) / 4294967296.0 - 0.6; };
   for (const CellShape shape : kShapes)

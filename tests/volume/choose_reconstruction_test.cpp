@@ -33,7 +33,7 @@ ReconstructionChoice chosen_for(const std::function<double(const Vec3&)>& f) {
   return choose_reconstruction(volume, measure_volume_traits(volume, volume_values(volume, "f"), progress));
 }
 
-TEST(ChooseReconstruction, SmoothLatticesTakePolynomialsEdgesAndNoiseACubic) {
+TEST(ChooseReconstruction, SmoothLatticesGetPolynomialsEdgesAndNoiseCubics) {
   const ReconstructionChoice smooth =
       chosen_for([](const Vec3& x) { return std::sin(4 * x.x) * std::cos(3 * x.y) + x.z; });
   EXPECT_EQ(smooth.method, "mls-detail") << smooth.why;

@@ -119,7 +119,7 @@ TEST(ClassicFields, InterpolateTheirSamples) {
                  });
 }
 
-TEST(ClassicFields, GradientsAreThoseOfTheValues) {
+TEST(ClassicFields, GradientsAreDerivativesOfTheValues) {
   for_each_field(smooth, all_of_them(),
                  [](const SampledVolume& volume, const VolumeField& field, const Method& method) {
                    const auto x = places_within(volume, 40);
@@ -176,7 +176,7 @@ TEST(ClassicFields, AreContinuousAcrossFaces) {
   }
 }
 
-TEST(ClassicFields, AreFiniteAnywhereAndGoOnALittle) {
+TEST(ClassicFields, AreFiniteEverywhereAndContinueALittle) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), infinite = std::numeric_limits<double>::infinity();
   const std::vector<Vec3> x{{nan, 0, 0}, {0, infinite, 0}, {1e300, -1e300, 1e300}, {50, 60, 70}, {-0.01, 0.5, 0.5}};
   for_each_field(smooth, all_of_them(), [&](const SampledVolume& volume, const VolumeField& field, const Method&) {
@@ -206,7 +206,7 @@ TEST(ClassicFields, AreFiniteAnywhereAndGoOnALittle) {
 }
 
 // Points around the volume, near it and far away.
-TEST(ClassicFields, AnswersDoNotDependOnWhatIsAskedFor) {
+TEST(ClassicFields, AnswersDoNotDependOnTheRequest) {
   std::vector<Method> all = all_of_them();
   all.insert(all.end(), {"nearest", "linear", "mls", "mls-detail", "amls"});
   for (const GridData& data : {lattice_grid({6, 5, 7}, smooth), bent_grid({5, 5, 5}, smooth)})
@@ -267,7 +267,7 @@ TEST(ClassicFields, AnswersDependOnThePointAlone) {
   }
 }
 
-TEST(ClassicFields, ComponentsAreFieldsOfTheirOwn) {
+TEST(ClassicFields, ComponentsAreIndependent) {
   for (GridData data :
        {stretched_grid({6, 5, 5}, smooth), bent_grid({5, 4, 5}, smooth), lattice_grid({6, 5, 5}, smooth)}) {
     GridBlock& block = data.blocks[0];
@@ -364,7 +364,7 @@ TEST(ClassicFields, LocalMethodsFollowStretchedCells) {
   }
 }
 
-TEST(ClassicFields, NameTheGridsAndRangesThatTheyNeed) {
+TEST(ClassicFields, ErrorsNameRequiredGridsAndRanges) {
   Progress progress;
   const auto bent = volume_of(bent_grid({4, 4, 4}, smooth)), lattice = volume_of(lattice_grid({4, 4, 4}, smooth)),
              stretched = volume_of(stretched_grid({4, 4, 4}, smooth));

@@ -59,7 +59,7 @@ TEST(ConvexCell, PartsMakeUpTheWhole) {
 }
 
 // Planes through corners, edges and faces lose no volume.
-TEST(ConvexCell, BearsPlanesThroughItsCorners) {
+TEST(ConvexCell, AllowsPlanesThroughItsCorners) {
   ConvexCell cell;
   cell.assign_box({0, 0, 0}, {1, 1, 1});
   cell.cut({1, -1, 0}, 0, 1);

@@ -29,7 +29,7 @@ std::vector<double> answers(const GridData& data, const std::string& method, boo
   return values;
 }
 
-TEST(Magnitudes, OfValuesChangeNothingButTheFactor) {
+TEST(Magnitudes, OfValuesOnlyScaleTheField) {
   for (const VolumeMethod* const info : VolumeMethod::registry().all()) {
     const bool anywhere = info->grids == "all";
     const std::vector<double> expected =
@@ -71,7 +71,7 @@ std::vector<double> vector_answers(const GridData& data, const std::string& meth
   return values;
 }
 
-TEST(Magnitudes, OfVectorsChangeNothingButTheFactor) {
+TEST(Magnitudes, OfVectorsOnlyScaleTheField) {
   for (const VolumeMethod* const info : VolumeMethod::registry().all()) {
     const std::vector<double> expected = vector_answers(vectors_times(1), std::string(info->name));
     for (const double factor : {0x1p46, 0x1p-60}) {
@@ -83,7 +83,7 @@ TEST(Magnitudes, OfVectorsChangeNothingButTheFactor) {
 }
 
 /// Flow solvers leave such values in a direction without flow.
-TEST(Magnitudes, OfOneComponentMayBeNextToNothing) {
+TEST(Magnitudes, OfOneComponentMayBeNegligible) {
   for (const VolumeMethod* const info : VolumeMethod::registry().all()) {
     SCOPED_TRACE(info->name);
     const std::vector<double> expected = vector_answers(vectors_times(1, 0), std::string(info->name));
@@ -93,7 +93,7 @@ TEST(Magnitudes, OfOneComponentMayBeNextToNothing) {
 }
 
 /// Decay to zero is accepted or rejected independently of the unit.
-TEST(Magnitudes, OfPeaksDecideNothing) {
+TEST(Magnitudes, OfPeaksHaveNoEffect) {
   for (const double sharpness : {1 / 1.3, 1 / 0.3}) {
     const auto peak = [&](double factor) {
       return lattice_grid({12, 12, 12}, [=](const Vec3& x) {
@@ -109,7 +109,7 @@ TEST(Magnitudes, OfPeaksDecideNothing) {
   }
 }
 
-TEST(Magnitudes, OfTraitsAreTheFactorOfTheRangeAlone) {
+TEST(Magnitudes, OfTraitsOnlyScaleTheRange) {
   const auto traits_of = [](double factor) {
     const auto volume =
         volume_of(lattice_grid({8, 8, 8}, [&](const Vec3& x) { return factor * wave_of_magnitude(x); }));
@@ -122,7 +122,7 @@ TEST(Magnitudes, OfTraitsAreTheFactorOfTheRangeAlone) {
   EXPECT_EQ(huge.noise, moderate.noise);
 }
 
-TEST(Magnitudes, WithoutARightAnswerAreErrors) {
+TEST(Magnitudes, OutOfRangeAreErrors) {
   Progress progress;
   const auto error_of = [&](const VolumeFunction& f, const std::string& method) -> std::string {
     try {

@@ -127,7 +127,7 @@ TEST(MlsDetail, IsNeverWorseThanLinearOnThinTetrahedra) {
             errors_of(*field_of(volume, "linear"), x, hills).most);
 }
 
-TEST(CellAgreement, DoubtsThePolynomialThatIsOff) {
+TEST(CellAgreement, DoubtsDeviatingPolynomials) {
   const auto volume = volume_of(bent_grid({6, 6, 6}, wave));
   Progress progress;
   const VolumeValues values = volume_values(*volume, "f");
@@ -161,7 +161,7 @@ TEST(CellAgreement, DoubtsThePolynomialThatIsOff) {
   EXPECT_NEAR(off.of(far).doubt, 0, 1e-12);
 }
 
-TEST(MlsDetail, TakesTheSamplesWhereCellsFitTogether) {
+TEST(MlsDetail, InterpolatesInConformingCells) {
   const auto volume = volume_of(bent_grid({6, 7, 5}, wave, 1.2));
   const auto field = field_of(volume, "mls-detail");
   EXPECT_LT(errors_of(*field, volume->positions, wave).most, 1e-6);
@@ -193,7 +193,7 @@ TEST(MlsDetail, GradientsAreDerivativesOfTheValues) {
   check(two_level_amr(8, wave), Association::cells);
 }
 
-TEST(MlsDetail, StepsAreNeitherSmearedNorRung) {
+TEST(MlsDetail, StepsHaveNoSmearingOrRinging) {
   const VolumeFunction step = [](const Vec3& x) { return x.x + 0.3 * x.y < 0.52 ? 1.0 : 5.0; };
   for (const auto& [name, data] :
        {std::pair{"lattice", lattice_grid({14, 14, 14}, step)}, std::pair{"bent", bent_grid({14, 14, 14}, step)}}) {
@@ -294,7 +294,7 @@ TEST(MlsDetail, DoesNotReachAcrossGaps) {
   }
 }
 
-TEST(MlsDetail, SaysWhenSamplesAreTooFarApart) {
+TEST(MlsDetail, ReportsSparseSamples) {
   const VolumeFunction rough = [](const Vec3& x) {
     const double t = std::sin(12.9898 * x.x + 78.233 * x.y + 37.719 * x.z) * 43758.5453;
     return t - std::floor(t);
@@ -311,7 +311,7 @@ TEST(MlsDetail, SaysWhenSamplesAreTooFarApart) {
 }
 
 /// Coefficients are floats: their rounding is neither a correction nor a doubt.
-TEST(MlsDetail, TrustsLinearFunctionsWhateverTheirRounding) {
+TEST(MlsDetail, TrustsRoundedLinearFunctions) {
   for (const VolumeFunction& f : {VolumeFunction([](const Vec3& x) { return 1 + x.x; }),
                                   VolumeFunction([](const Vec3& x) { return 1e9 + 0.3 * x.x - 0.7 * x.y; })}) {
     const auto volume = volume_of(lattice_grid({16, 16, 16}, f));
@@ -324,7 +324,7 @@ TEST(MlsDetail, TrustsLinearFunctionsWhateverTheirRounding) {
   }
 }
 
-TEST(MlsDetail, IsFiniteAnywhereAndZeroAtPointsThatAreNot) {
+TEST(MlsDetail, IsFiniteEverywhereAndZeroAtNonFinitePoints) {
   const double nan = std::numeric_limits<double>::quiet_NaN(), huge = 1e300;
   const std::vector<Vec3> x{{nan, 0, 0}, {0, 1.0 / 0.0, 0}, {huge, -huge, huge}, {50, 60, 70}, {-0.01, 0.5, 0.5}};
   for (const NamedGrid& grid : all_grids(wave)) {

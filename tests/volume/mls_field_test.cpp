@@ -38,7 +38,7 @@ TEST(MlsField, ReproducesLinearFunctionsOnEveryGrid) {
 }
 
 // A quarter of a cell outside the face centres, and far away.
-TEST(MlsField, GoesOnStraightOutside) {
+TEST(MlsField, ContinuesLinearlyOutside) {
   const auto slanted = [](const Vec3& x) { return x + Vec3{0.2 * x.y, 0, 0.1 * x.y}; };
   const GridData bent = one_block(curvilinear_block(lattice_block({8, 8, 8}), slanted), linear_function);
   for (const GridData& data : {lattice_grid({8, 8, 8}, linear_function), bent})
@@ -167,7 +167,7 @@ TEST(MlsField, DegreesAboveFourAreRefused) {
   }
 }
 
-TEST(AmlsField, MoreIterationsComeNearerToTheSamples) {
+TEST(AmlsField, MoreIterationsReduceResiduals) {
   const auto volume = volume_of(bent_grid({7, 7, 7}, bump));
   double before = std::numeric_limits<double>::infinity();
   for (const int n : {0, 3, 12}) {
@@ -181,7 +181,7 @@ TEST(AmlsField, MoreIterationsComeNearerToTheSamples) {
   }
 }
 
-TEST(AmlsField, ChoosesWidthAndIterationsAndSaysSo) {
+TEST(AmlsField, ChoosesAndReportsWidthAndIterations) {
   Progress progress;
   ReconstructionOptions options;
   options.method = "amls";

@@ -149,7 +149,7 @@ GridData with_holes() {
   return data;
 }
 
-TEST(SampleOrder, DoesNotShowInAnyAnswer) {
+TEST(SampleOrder, HasNoEffectOnAnyAnswer) {
   SANSMESH_NOT_SANITIZED("compares results; others make the same fields");
   std::vector<NamedGrid> grids;
   const auto add = [&](const char* name, const GridData& data) {

@@ -92,7 +92,7 @@ TEST(SampleSlopes, SteepestAcrossFollowsABorderThatFades) {
   }
 }
 
-TEST(SampleSlopes, SteepestAcrossLeavesOutWhatIsFlat) {
+TEST(SampleSlopes, SteepestAcrossIgnoresFlatRegions) {
   const Slopes s = slopes_of(test::lattice_grid({9, 9, 9}, test::linear_function), test::linear_function);
   const SampleSlopes slopes(s.volume, s.values);
   const std::vector<float> steep(s.volume.size(), 2);

@@ -58,7 +58,7 @@ Stencil layers_with_step(double lowest, double highest, double height) {
   return s;
 }
 
-TEST(StencilFit, TakesAStepOnlyWhereItsSideIsNoSingleLayer) {
+TEST(StencilFit, AcceptsAStepUnlessOneSideIsASingleLayer) {
   const std::vector<Vec3> tests{{0.4, 0.4, -0.5}};
   StencilFit fit({});
   // The sample and another layer are on one side: the slope across is determined.

@@ -14,7 +14,7 @@ Vec3 corner_place(const SampledVolume& volume, std::uint32_t c) {
   return volume.lattice ? volume.lattice->position(c) : volume.corner(c);
 }
 
-TEST(VolumeLocator, FindsThePlaceThatACellHasAtItsWeights) {
+TEST(VolumeLocator, FindsPointsByTheirWeights) {
   for (const NamedGrid& grid : all_grids(linear_function)) {
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
@@ -63,7 +63,7 @@ TEST(VolumeLocator, SlopesOfShapeFunctionsAreTheirDifferences) {
   }
 }
 
-TEST(VolumeLocator, KeepsItsDigitsInThinLayersFarFromTheOrigin) {
+TEST(VolumeLocator, IsAccurateInThinLayersFarFromTheOrigin) {
   // Steps of 1e-5 next to steps of 1, bent, 1000 away from the origin.
   GridBlock layers = lattice_block({9, 9, 40}, {0, 0, 0}, {8, 8, 1});
   layers.axes[2] = axis_steps(40, 0, 1, 1.3);
@@ -85,7 +85,7 @@ TEST(VolumeLocator, KeepsItsDigitsInThinLayersFarFromTheOrigin) {
 }
 
 /// Also on faces, edges and corners, and outside; for all starting cells and previous queries.
-TEST(VolumeLocator, AnswersDependOnThePlaceAlone) {
+TEST(VolumeLocator, AnswersDependOnThePointAlone) {
   for (const NamedGrid& grid : all_grids(linear_function)) {
     SCOPED_TRACE(grid.name);
     const auto volume = volume_of(grid.data, grid.association);
@@ -123,7 +123,7 @@ TEST(VolumeLocator, AnswersDependOnThePlaceAlone) {
   }
 }
 
-TEST(VolumeLocator, OutsideItIsTheNearestPlaceOfTheVolume) {
+TEST(VolumeLocator, OutsideFindsTheNearestPointOfTheVolume) {
   // Points in all directions around the o-grid's cylinder (radius 1, z in 0..2), whose facets are known.
   const auto volume = volume_of(o_grid({33, 5, 6}, linear_function));
   const VolumeLocator locator(*volume);
