@@ -61,7 +61,7 @@ struct Recommendation {
   Aim aim = Aim::mesh;           ///< intended result
   std::string surface;           ///< name of the method (SurfaceOptions::method)
   bool sharp = false;            ///< SurfaceOptions::sharp
-  bool remove_outliers = false;  ///< CloudUse::remove_outliers
+  bool remove_outliers = false;  ///< CloudPreparation::remove_outliers
   std::string why;               ///< one sentence; names options as errors do (sansmesh/error.h)
 };
 

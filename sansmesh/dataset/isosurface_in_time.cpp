@@ -34,9 +34,9 @@ std::vector<double> times_of(const std::vector<IsosurfaceStep>& steps) {
   return times;
 }
 
-Placement placement_of_first(const std::vector<IsosurfaceStep>& steps) {
+LocalFrame frame_of_first(const std::vector<IsosurfaceStep>& steps) {
   const Box3 box = steps[0].volume->bounds();
-  return placement_for(box.center(), box.diagonal());
+  return frame_for(box.center(), box.diagonal());
 }
 
 }  // namespace
@@ -44,32 +44,32 @@ Placement placement_of_first(const std::vector<IsosurfaceStep>& steps) {
 IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double value)
     : steps_(checked_steps(std::move(steps))),
       times_(times_of(steps_)),
-      place_(placement_of_first(steps_)),
+      frame_(frame_of_first(steps_)),
       value_(value),
-      domain_(*steps_[0].volume, place_) {
+      domain_(*steps_[0].volume, frame_) {
   if (!std::isfinite(value)) throw ArgumentError("`value` must be finite");
   std::vector<double> slopes;
   ValueRange all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   bool occurs = false;
   for (const IsosurfaceStep& step : steps_) {
-    ranges_.push_back(std::make_unique<const ValueRanges>(*step.volume, step.sample_value, place_));
+    ranges_.push_back(std::make_unique<const ValueRanges>(*step.volume, step.sample_value, frame_));
     const ValueRange samples = ranges_.back()->of_samples();
     all = {std::min(all.least, samples.least), std::max(all.most, samples.most)};
     const std::vector<Vec3> places = ranges_.back()->places_of(value);
     occurs = occurs || !places.empty();
-    const std::vector<double> found = slopes_at(*step.field, places, place_, kSlopesOfStep);
+    const std::vector<double> found = slopes_at(*step.field, places, frame_, kSlopesOfStep);
     slopes.insert(slopes.end(), found.begin(), found.end());
   }
   if (!occurs)
     throw DataError(
         fmt::format("has no surface of the value {:.6g} at any step: values lie between about {:.6g} and {:.6g}", value,
                     all.least, all.most));
-  if (!slopes.empty()) slope_ = median(slopes) * place_.unit;
+  if (!slopes.empty()) slope_ = median(slopes) * frame_.unit;
 }
 
 IsosurfaceInTime::~IsosurfaceInTime() = default;
 
-double IsosurfaceInTime::median_spacing() const { return place_.from_input(steps_[0].volume->facts.median_spacing); }
+double IsosurfaceInTime::median_spacing() const { return frame_.from_input(steps_[0].volume->facts.median_spacing); }
 
 double IsosurfaceInTime::shortest_step() const {
   double least = std::numeric_limits<double>::infinity();
@@ -91,7 +91,7 @@ void IsosurfaceInTime::evaluate(std::span<const Vec3> x, std::span<const double>
     for (const auto& [step, share] : {std::pair{k, 1 - u}, std::pair{k + 1, u}}) {
       if (share == 0) continue;
       Wanted& w = wanted[step];
-      w.which.push_back(i), w.share.push_back(share), w.x.push_back(place_.to_input(x[i]));
+      w.which.push_back(i), w.share.push_back(share), w.x.push_back(frame_.to_input(x[i]));
     }
   }
   std::fill(values.begin(), values.end(), 0.0);

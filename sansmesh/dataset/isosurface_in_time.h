@@ -9,7 +9,7 @@
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/dataset/value_ranges.h"
 #include "sansmesh/field/time_field.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume_field.h"
 
@@ -23,7 +23,7 @@ struct IsosurfaceStep {
   std::function<double(std::size_t)> sample_value;  ///< value of sample i; used during construction
 };
 
-/// {f(x, t) = value}, f linear in time between the steps: negative where f is larger, in the local coordinates `place`,
+/// {f(x, t) = value}, f linear in time between the steps: negative where f is larger, in the local coordinates `frame`,
 /// scaled to a median gradient norm in space of 1 at the surface. Grids may differ between steps; the domain is the
 /// volume of the first step, and all points outside it are outside the surface. All steps stay in memory.
 class IsosurfaceInTime final : public TimeField {
@@ -33,7 +33,7 @@ class IsosurfaceInTime final : public TimeField {
   IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double value);
   ~IsosurfaceInTime() override;
 
-  const Placement& place() const { return place_; }
+  const LocalFrame& frame() const { return frame_; }
   double value() const { return value_; }
   double median_spacing() const;  ///< median distance between samples of the first step (local length)
   double shortest_step() const;   ///< shortest time between two steps
@@ -48,7 +48,7 @@ class IsosurfaceInTime final : public TimeField {
  private:
   std::vector<IsosurfaceStep> steps_;
   std::vector<double> times_;
-  Placement place_;
+  LocalFrame frame_;
   double value_, slope_ = 1;
   VolumeDomain domain_;
   std::vector<std::unique_ptr<const ValueRanges>> ranges_;

@@ -38,13 +38,13 @@ class LayerSide : public ScalarField {
 /// For isosurfaces: the side of the nearest sample of the volume.
 class ValueSide final : public LayerSide {
  public:
-  ValueSide(const SampledVolume& volume, std::span<const double> values, double value, const Placement& place,
+  ValueSide(const SampledVolume& volume, std::span<const double> values, double value, const LocalFrame& frame,
             Box3 bounds)
-      : LayerSide(bounds), volume_(volume), place_(place), far_(bounds.diagonal()), above_(values.size()) {
+      : LayerSide(bounds), volume_(volume), frame_(frame), far_(bounds.diagonal()), above_(values.size()) {
     for (std::size_t i = 0; i < values.size(); ++i) above_[i] = values[i] > value;
     if (volume.lattice) return;
     std::vector<Vec3f> positions(volume.size());
-    for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = Vec3f(place.from_input(volume.positions[i]));
+    for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = Vec3f(frame.from_input(volume.positions[i]));
     tree_ = KdTree(positions);
   }
 
@@ -53,7 +53,7 @@ class ValueSide final : public LayerSide {
     std::size_t nearest = 0;
     if (volume_.lattice) {
       const Lattice& l = *volume_.lattice;
-      const Vec3 a = l.to_axes(place_.to_input(x));
+      const Vec3 a = l.to_axes(frame_.to_input(x));
       std::size_t stride = 1;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::vector<double>& axis = l.axes[k];
@@ -69,10 +69,10 @@ class ValueSide final : public LayerSide {
   }
 
   const SampledVolume& volume_;
-  Placement place_;
+  LocalFrame frame_;
   double far_;
   std::vector<std::uint8_t> above_;
-  KdTree tree_;  ///< of samples not on a lattice
+  KdTree tree_;  ///< samples that are not on a lattice
 };
 
 /// For borders of materials: the side of the tangent plane of the nearest foot.
@@ -152,8 +152,8 @@ class CutField final : public ScalarField {
 }  // namespace
 
 std::unique_ptr<const ScalarField> value_side(const SampledVolume& volume, std::span<const double> values, double value,
-                                              const Placement& place, const Box3& bounds) {
-  return std::make_unique<const ValueSide>(volume, values, value, place, bounds);
+                                              const LocalFrame& frame, const Box3& bounds) {
+  return std::make_unique<const ValueSide>(volume, values, value, frame, bounds);
 }
 
 std::unique_ptr<const ScalarField> plane_side(const SurfaceFeet& feet, const Box3& bounds) {

@@ -7,7 +7,7 @@
 
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/field/ball_union.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/search/kd_tree.h"
@@ -18,7 +18,7 @@ namespace sansmesh::inline v1 {
 /// The side of points too far from an isosurface for the projection: that of the nearest sample of the volume. Values
 /// have the right sign; gradients are meaningless. `volume` must outlive the field.
 std::unique_ptr<const ScalarField> value_side(const SampledVolume& volume, std::span<const double> values, double value,
-                                              const Placement& place, const Box3& bounds);
+                                              const LocalFrame& frame, const Box3& bounds);
 /// The same for borders of materials: the side of the tangent plane of the nearest foot.
 std::unique_ptr<const ScalarField> plane_side(const SurfaceFeet& feet, const Box3& bounds);
 

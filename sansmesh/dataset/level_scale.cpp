@@ -6,10 +6,10 @@
 
 namespace sansmesh::inline v1 {
 
-std::vector<double> slopes_at(const VolumeField& field, std::span<const Vec3> points, const Placement& place,
+std::vector<double> slopes_at(const VolumeField& field, std::span<const Vec3> points, const LocalFrame& frame,
                               std::size_t most) {
   std::vector<Vec3> some;
-  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / most) some.push_back(place.to_input(points[i]));
+  for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / most) some.push_back(frame.to_input(points[i]));
   std::vector<Vec3> gradients(some.size());
   field.evaluate(some, {{}, gradients});
   std::vector<double> slopes;

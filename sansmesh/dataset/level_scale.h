@@ -5,14 +5,14 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/volume_field.h"
 
 namespace sansmesh::inline v1 {
 
-/// Gradient norms > 0 (input units) at up to `most` of the points, which are in the coordinates of `place`.
-std::vector<double> slopes_at(const VolumeField& field, std::span<const Vec3> points, const Placement& place,
+/// Gradient norms > 0 (input units) at up to `most` of the points, which are in the coordinates of `frame`.
+std::vector<double> slopes_at(const VolumeField& field, std::span<const Vec3> points, const LocalFrame& frame,
                               std::size_t most);
 
 /// Range of (value − f) / slope for f in `values`. Without values there is no surface: positive.

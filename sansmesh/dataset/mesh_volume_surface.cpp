@@ -10,7 +10,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/dataset/layer_fields.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/points/poisson_discs.h"
@@ -89,11 +89,11 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   MeshReport local;
   MeshReport& r = report ? *report : local;
   r = {};
-  const Placement& place = surface.place();
+  const LocalFrame& frame = surface.frame();
   MeshOptions own = meshing;
-  if (meshing.mesh_error) own.mesh_error = place.from_input(*meshing.mesh_error);
-  const double error = own.mesh_error.value_or(kMeshError * place.from_input(surface.report().spacing));
-  r.mesh_error = place.to_input(error);
+  if (meshing.mesh_error) own.mesh_error = frame.from_input(*meshing.mesh_error);
+  const double error = own.mesh_error.value_or(kMeshError * frame.from_input(surface.report().spacing));
+  r.mesh_error = frame.to_input(error);
   progress.begin("find surface");
   const BlockTree blocks = surface.blocks();
   PolygonizeOptions polygonize = detail::meshing_options(own, error, false);
@@ -103,7 +103,7 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   TriangleMesh mesh = detail::cut_out(surface.field(), blocks, own, polygonize, progress, r);
   if (mesh.triangles.empty()) throw DataError("has no such surface");
   progress.begin("finish mesh");
-  if (!iso) drop_jumps(mesh, surface.field(), kOffSurface * place.from_input(surface.report().spacing));
+  if (!iso) drop_jumps(mesh, surface.field(), kOffSurface * frame.from_input(surface.report().spacing));
   if (meshing.components.kind == ComponentChoice::Kind::automatic) {
     const std::size_t dropped = drop_unresolved(mesh, surface.balls(), surface.spacing(), surface.report().smoothing);
     if (dropped > 0)
@@ -116,7 +116,7 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   const MeshTopology topology = measure_topology(mesh);
   r.components = static_cast<int>(topology.components);
   r.open = !topology.closed();
-  move_to_input(mesh, place);
+  move_to_input(mesh, frame);
   progress.finish();
   return mesh;
 }
@@ -125,8 +125,8 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
   if (distance && !(std::isfinite(*distance) && *distance >= surface.report().spacing / kMostAlong))
     throw ArgumentError(fmt::format("`distance` must be at least {:.4g}, a part of {} of the spacing",
                                     surface.report().spacing / kMostAlong, kMostAlong));
-  const Placement& place = surface.place();
-  const double apart = place.from_input(distance.value_or(surface.report().spacing));
+  const LocalFrame& frame = surface.frame();
+  const double apart = frame.from_input(distance.value_or(surface.report().spacing));
   const BallUnion& places = surface.sample_balls();
   const std::span<const float> spacings = surface.sample_spacing();
   progress.begin("project", places.centers.size());
@@ -168,10 +168,10 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
   progress.begin("choose points");
   const std::vector<std::uint32_t> chosen = poisson_discs(feet, apart);
   PointSet points;
-  points.origin = place.origin;
+  points.origin = frame.origin;
   points.positions.reserve(chosen.size()), points.normals.reserve(chosen.size());
   for (const std::uint32_t i : chosen) {
-    points.positions.push_back(Vec3f(feet[i] * place.unit));
+    points.positions.push_back(Vec3f(feet[i] * frame.unit));
     points.normals.push_back(Vec3f(normals[i]));
   }
   progress.finish();

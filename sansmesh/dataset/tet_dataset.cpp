@@ -9,8 +9,8 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/io/read_volume.h"
-#include "sansmesh/volume/cell_tetrahedra.h"
+#include "sansmesh/io/grids/read_volume.h"
+#include "sansmesh/volume/cells/cell_tetrahedra.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -153,14 +153,14 @@ TetDataset tet_dataset(const GridData& data) {
   if (const std::size_t twins = drop_twins(pieces); twins > 0)
     result.notes.push_back(fmt::format("{} of the same corners as others left out", tets_in_words(twins)));
 
-  std::vector<std::uint32_t> place(points.size(), GridBlock::kNone), kept;
+  std::vector<std::uint32_t> new_index(points.size(), GridBlock::kNone), kept;
   for (const Tet& t : pieces.tets)
-    for (const std::uint32_t v : t) place[v] = 0;
+    for (const std::uint32_t v : t) new_index[v] = 0;
   const std::vector<std::uint64_t> numbers =
       point_rows.size() == 1 ? std::move(used.blocks[0].point_numbers) : std::vector<std::uint64_t>();
   for (std::size_t v = 0; v < points.size(); ++v) {
-    if (place[v] == GridBlock::kNone) continue;
-    place[v] = static_cast<std::uint32_t>(kept.size());
+    if (new_index[v] == GridBlock::kNone) continue;
+    new_index[v] = static_cast<std::uint32_t>(kept.size());
     kept.push_back(static_cast<std::uint32_t>(v));
     result.mesh.vertices.push_back(points[v]);
     result.numbers.push_back(numbers.empty() ? v : numbers[v]);
@@ -173,7 +173,7 @@ TetDataset tet_dataset(const GridData& data) {
     result.notes.push_back(
         fmt::format("{} without tetrahedra left out", counted(points.size() - kept.size(), "point")));
   for (Tet& t : pieces.tets)
-    for (std::uint32_t& v : t) v = place[v];
+    for (std::uint32_t& v : t) v = new_index[v];
   result.mesh.tets = std::move(pieces.tets);
   result.mesh.attributes = joined(used, true, point_rows).taken(kept);
   result.mesh.tet_attributes = joined(used, false, cell_rows).taken(pieces.cells);

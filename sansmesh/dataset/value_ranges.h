@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/search/box_levels.h"
@@ -21,8 +21,8 @@ class ValueRanges {
  public:
   static constexpr double kBeyond = 0.3;
 
-  /// value(i) of sample i. Query points are in the coordinates of `place`.
-  ValueRanges(const SampledVolume& volume, const std::function<double(std::size_t)>& value, const Placement& place);
+  /// value(i) of sample i. Query points are in the coordinates of `frame`.
+  ValueRanges(const SampledVolume& volume, const std::function<double(std::size_t)>& value, const LocalFrame& frame);
 
   /// Range of the cells that the ball meets; {+infinity, −infinity} if it meets none.
   ValueRange around(const Vec3& x, double radius) const;
@@ -49,9 +49,9 @@ class ValueRanges {
     float least, most;
   };
   static std::vector<Item> lattice_items(const SampledVolume& volume, const std::function<double(std::size_t)>& value,
-                                         const Placement& place);
+                                         const LocalFrame& frame);
   static std::vector<Item> cell_items(const SampledVolume& volume, const std::function<double(std::size_t)>& value,
-                                      const Placement& place);
+                                      const LocalFrame& frame);
 
   std::vector<std::vector<Node>> levels_;
   double scale_ = 1;  ///< factor of the values in the tree, which are floats

@@ -8,7 +8,7 @@
 #include "sansmesh/progress.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/vec.h"
-#include "sansmesh/volume/sample_slopes.h"
+#include "sansmesh/volume/samples/sample_slopes.h"
 #include "sansmesh/volume_options.h"
 
 namespace sansmesh::inline v1 {

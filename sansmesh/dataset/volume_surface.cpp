@@ -17,7 +17,7 @@
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/surface/layer_projection.h"
 #include "sansmesh/triangulation/divide_blocks.h"
-#include "sansmesh/volume/sample_slopes.h"
+#include "sansmesh/volume/samples/sample_slopes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -61,10 +61,10 @@ RelativeValues relative_values(std::span<const double> values, const VolumeSurfa
 
 /// Input of the projection, in spatial order.
 LayerSamples layer_of(const std::vector<WeightedSample>& chosen, const SampledVolume& samples,
-                      const SampleSlopes& slopes, const Placement& place) {
+                      const SampleSlopes& slopes, const LocalFrame& frame) {
   std::vector<Vec3f> positions(chosen.size());
   for (std::size_t i = 0; i < chosen.size(); ++i)
-    positions[i] = Vec3f(place.from_input(samples.position(chosen[i].sample)));
+    positions[i] = Vec3f(frame.from_input(samples.position(chosen[i].sample)));
   const KdTree tree(positions);
   LayerSamples layer;
   for (std::vector<Vec3f>* v : {&layer.positions, &layer.normals}) v->reserve(chosen.size());
@@ -73,7 +73,7 @@ LayerSamples layer_of(const std::vector<WeightedSample>& chosen, const SampledVo
   for (const WeightedSample& c : chosen) heaviest = std::max(heaviest, c.weight);
   for (const std::uint32_t i : tree.order()) {
     const WeightedSample& c = chosen[i];
-    const auto s = static_cast<float>(place.from_input(slopes.spacing(c.sample)));
+    const auto s = static_cast<float>(frame.from_input(slopes.spacing(c.sample)));
     layer.positions.push_back(positions[i]);
     layer.normals.push_back(Vec3f(normalized(c.gradient * -1.0)));
     layer.weights.push_back(static_cast<float>(c.weight / heaviest));
@@ -87,12 +87,12 @@ LayerSamples layer_of(const std::vector<WeightedSample>& chosen, const SampledVo
 
 struct VolumeSurface::State {
   std::shared_ptr<const SampledVolume> volume;
-  Placement place;
+  LocalFrame frame;
   VolumeSurfaceOptions options;
   VolumeSurfaceReport report;
   std::optional<LayerProjection> projection;
   SurfaceFeet feet;                         ///< feet of `places`
-  std::unique_ptr<const ScalarField> side;  ///< of points outside the balls
+  std::unique_ptr<const ScalarField> side;  ///< sides of points outside the balls
   BallUnion places;                         ///< samples next to the surface, with a ball around each
   std::vector<float> place_spacing;         ///< spacing at `places`
   std::unique_ptr<const VolumeDomain> domain;
@@ -107,8 +107,8 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   auto state = std::make_unique<VolumeSurface::State>();
   VolumeSurfaceReport& r = state->report;
   const Box3 box = volume->bounds();
-  const Placement place = placement_for(box.center(), box.diagonal());
-  state->place = place, state->options = options;
+  const LocalFrame frame = frame_for(box.center(), box.diagonal());
+  state->frame = frame, state->options = options;
   r.noise = noise;
 
   const bool iso = options.kind == VolumeSurfaceOptions::Kind::isovalue;
@@ -127,12 +127,12 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
     throw DataError(iso ? fmt::format("has no sample near enough to the value {:.6g}", options.value)
                         : fmt::format("has no border where the gradient is {:.6g} or more", r.least_gradient));
   progress.begin("prepare projection");
-  const LayerSamples layer = layer_of(chosen, samples, slopes, place);
+  const LayerSamples layer = layer_of(chosen, samples, slopes, frame);
   for (std::size_t i = 0; i < layer.reach.size(); ++i)
     if (layer.reach[i] > 0) state->place_spacing.push_back(layer.spacing[i]);
   r.samples = chosen.size();
   std::vector<float> sorted = state->place_spacing;
-  r.spacing = place.to_input(static_cast<double>(median(sorted)));
+  r.spacing = frame.to_input(static_cast<double>(median(sorted)));
   const double moved = r.spacing > 0 ? r.noise_distance / r.spacing : 0;
   r.smoothing = options.smoothing.value_or(std::min(kWidth + kWiden * moved, kMostWidth));
 
@@ -150,9 +150,9 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   if (feet.feet.empty()) throw DataError("has no such surface");
   const Box3 bounds = state->projection->bounds();
   state->side =
-      iso ? value_side(samples, relative.values, relative.options.value, place, bounds) : plane_side(feet, bounds);
+      iso ? value_side(samples, relative.values, relative.options.value, frame, bounds) : plane_side(feet, bounds);
   progress.begin("boundary");
-  state->domain = std::make_unique<const VolumeDomain>(samples, place);
+  state->domain = std::make_unique<const VolumeDomain>(samples, frame);
   std::unique_ptr<const ScalarField> field;
   if (options.exact_projection) {
     field = std::make_unique<const ProjectionField>(*state->projection, state->side.get());
@@ -174,7 +174,7 @@ VolumeSurface::VolumeSurface(VolumeSurface&&) noexcept = default;
 VolumeSurface& VolumeSurface::operator=(VolumeSurface&&) noexcept = default;
 
 const SampledVolume& VolumeSurface::volume() const { return *state_->volume; }
-const Placement& VolumeSurface::place() const { return state_->place; }
+const LocalFrame& VolumeSurface::frame() const { return state_->frame; }
 const Projection& VolumeSurface::projection() const { return *state_->projection; }
 const ScalarField& VolumeSurface::field() const { return *state_->field; }
 const BallUnion& VolumeSurface::balls() const { return state_->balls; }
@@ -186,7 +186,7 @@ PointSet VolumeSurface::feet() const {
   std::vector<Vec3> positions;
   positions.reserve(state_->feet.feet.size());
   for (const FootPoint& foot : state_->feet.feet) positions.push_back(foot.position);
-  const auto kept = poisson_discs(positions, kSplats * state_->place.from_input(state_->report.spacing));
+  const auto kept = poisson_discs(positions, kSplats * state_->frame.from_input(state_->report.spacing));
   PointSet points;
   points.positions.reserve(kept.size()), points.normals.reserve(kept.size());
   for (const std::uint32_t i : kept) {
@@ -206,7 +206,7 @@ BlockTree VolumeSurface::blocks() const {
   const Vec3 size = state_->projection->bounds().size();
   // The surface must not reach the cube's faces, where it would be closed.
   const double edge =
-      std::max({size.x, size.y, size.z}) + 2 * kAround * state_->place.from_input(state_->report.spacing);
+      std::max({size.x, size.y, size.z}) + 2 * kAround * state_->frame.from_input(state_->report.spacing);
   BlockTree tree(state_->projection->bounds().center() - Vec3{edge, edge, edge} * 0.5, edge);
   divide_blocks(tree, kDeepestBlocks, [&](std::size_t block, std::vector<std::uint32_t>& touched) {
     const double half = tree.block_edge(block) / 2;

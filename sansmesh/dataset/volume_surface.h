@@ -10,7 +10,7 @@
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/sampled_volume.h"
@@ -27,7 +27,7 @@ class VolumeSurface {
   VolumeSurface& operator=(VolumeSurface&&) noexcept;
 
   const SampledVolume& volume() const;
-  const Placement& place() const;
+  const LocalFrame& frame() const;
   const Projection& projection() const;
   /// Approximate signed distance, negative where the quantity is larger: FootField, or with `exact` the distance to the
   /// foot of the query point itself. Where the projection is undefined the nearest sample determines the side.

@@ -9,7 +9,7 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/group_rows.h"
-#include "sansmesh/mesh/self_intersections.h"
+#include "sansmesh/mesh/repair/self_intersections.h"
 #include "sansmesh/search/box_levels.h"
 #include "sansmesh/search/kd_tree.h"
 

@@ -265,7 +265,7 @@ class Feet {
   std::vector<Vec3> feet_, normals_;
   std::vector<Way> ways_;
   std::vector<std::uint32_t> open_;  ///< unfinished searches
-  std::vector<double> values_;       ///< of the last evaluation
+  std::vector<double> values_;       ///< results of the last evaluation
   std::vector<Vec3> gradients_;
   std::vector<std::uint8_t> inside_;
 };

@@ -6,7 +6,7 @@
 #include "sansmesh/data/group_rows.h"
 #include "sansmesh/error.h"
 #include "sansmesh/measure/points_signed_distance.h"
-#include "sansmesh/mesh/same_places.h"
+#include "sansmesh/mesh/repair/same_places.h"
 
 namespace sansmesh::inline v1 {
 

@@ -6,7 +6,7 @@
 #include "sansmesh/core/parallel_collect.h"
 #include "sansmesh/measure/section.h"
 #include "sansmesh/measure/section_curves.h"
-#include "sansmesh/mesh/same_places.h"
+#include "sansmesh/mesh/repair/same_places.h"
 
 namespace sansmesh::inline v1 {
 namespace {

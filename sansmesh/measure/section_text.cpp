@@ -82,7 +82,7 @@ void append_path(std::string& text, const Section& section, bool closed, double 
 
 /// Measures of a sheet with one drawing per section. All drawings have the space of the largest.
 struct Sheet {
-  double width = 0, height = 0;  ///< of a drawing, in the model
+  double width = 0, height = 0;  ///< size of a drawing, in model units
   double scale = 1;              ///< pixels per length of the model
   double font = kFont, head = 0, foot = 0;
   double cell_width = 0, cell_height = 0;

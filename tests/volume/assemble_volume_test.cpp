@@ -1,4 +1,4 @@
-#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/grid/assemble_volume.h"
 
 #include <cmath>
 #include <limits>
@@ -7,8 +7,8 @@
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/volume/volume_boundary.h"
-#include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume/cells/volume_locator.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 #include "support/any_threads.h"
 #include "volume/volume_checks.h"
 #include "volume/volume_sizes.h"
@@ -167,7 +167,7 @@ TEST(AssembleVolume, AnyCornersOfACellMayCoincide) {
     }
   }
   EXPECT_GT(kept, 1000u);
-  EXPECT_LT(missed, 20u);  // of more than twenty thousand points
+  EXPECT_LT(missed, 20u);  // more than 20000 points in all
 }
 
 TEST(AssembleVolume, SingleLayersBecomeSlabs) {

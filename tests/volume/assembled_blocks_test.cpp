@@ -7,9 +7,9 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/volume/assemble_volume.h"
-#include "sansmesh/volume/volume_boundary.h"
-#include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume/cells/volume_locator.h"
+#include "sansmesh/volume/grid/assemble_volume.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 #include "support/any_threads.h"
 #include "volume/volume_checks.h"
 #include "volume/volume_sizes.h"

@@ -1,5 +1,5 @@
 // Robust fits at a sample (tejada2008, 6.2).
-#include "sansmesh/volume/stencil_fit.h"
+#include "sansmesh/volume/samples/stencil_fit.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 struct Stencil {
   std::vector<Vec3> u;
   std::vector<double> f;
-  std::vector<bool> other;  ///< of another material than the first one
+  std::vector<bool> other;  ///< true for samples of the second material
 };
 
 // A ball of samples around a sample at 0.

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "sansmesh/sampled_volume.h"
-#include "sansmesh/volume/cell_geometry.h"
-#include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume/cells/cell_geometry.h"
+#include "sansmesh/volume/cells/volume_locator.h"
 
 namespace sansmesh::test {
 

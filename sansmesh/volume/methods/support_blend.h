@@ -1,0 +1,31 @@
+// Field of functions with ellipsoidal supports: Σ w_i p_i / Σ w_i.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "sansmesh/core/shared_array.h"
+#include "sansmesh/sampled_volume.h"
+#include "sansmesh/volume/cells/volume_locator.h"
+#include "sansmesh/volume/samples/local_polynomials.h"
+#include "sansmesh/volume_field.h"
+
+namespace sansmesh::inline v1 {
+
+/// Support radii of all samples in the local metrics: every point of a cell with the sample as a corner is within
+/// `reach` times the radius; for cell data every corner of the sample's cell is within 0.7 of it.
+std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynomials& polynomials, double reach);
+
+/// F(x) = Σ_i w_i(x) p_i(x) / Σ_i w_i(x) over the samples whose ellipsoids contain x, r = ‖M_i (x − x_i)‖ / radius_i <
+/// 1, w = (1 − r²)⁴. Terms of degree 2 and more are multiplied by the polynomials' `trust`. For cell data linear
+/// interpolation replaces untrusted polynomials (docs/methods/volume-reconstruction.md).
+///
+/// Continuous wherever the mesh is connected, also across block borders and levels. A support does not cross gaps: in a
+/// cell only samples within kRings mesh edges of the cell's own samples count. Outside the volume: the value at its
+/// nearest point.
+std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVolume> volume,
+                                                std::shared_ptr<const VolumeLocator> locator,
+                                                LocalPolynomials polynomials, SharedArray<float> radii,
+                                                const VolumeValues& values);
+
+}  // namespace sansmesh::inline v1
