@@ -96,7 +96,7 @@ class SANSMESH_API VolumeModel {
   /// What its values are like, and what is chosen for them: measured at the first call.
   const VolumeTraits& traits(Progress& progress) const;
   /// The method that suits them.
-  const ReconstructionChoice& suited(Progress& progress) const;
+  const ReconstructionChoice& recommended(Progress& progress) const;
 
   /// The reconstruction of the array, or of another one (or component) with the method of this. It owns what it needs.
   std::shared_ptr<const VolumeField> field(Progress& progress, std::vector<Note>& notes) const;

@@ -7,7 +7,7 @@
 #include "sansmesh/core/binary_scale.h"
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/dataset/volume_surface.h"
+#include "sansmesh/dataset/mesh_volume_surface.h"
 #include "sansmesh/isosurfaces.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/mesh_size.h"

@@ -75,7 +75,7 @@ VolumeAdvice advise(const VolumeModel& volume, Progress& progress) {
       advice.seeds = line_across(*samples, *vectors);
     }
     offer.traits = volume.traits(progress);
-    offer.suited = volume.suited(progress);
+    offer.recommended = volume.recommended(progress);
   }
   advice.recommendations = advise_volume(offer);
   return advice;
@@ -102,7 +102,7 @@ std::vector<std::string> summary_of(const VolumeAdvice& advice) {
                       share_words(t.left_out[3])),
           fmt::format("  noise at most {} of the range; steps at {} of the samples", share_words(t.noise),
                       share_words(t.steps)),
-          titled("reconstruction", fmt::format("{}, since it is {}", offer.suited.method, offer.suited.why))};
+          titled("reconstruction", fmt::format("{}, since it is {}", offer.recommended.method, offer.recommended.why))};
 }
 
 namespace {
@@ -124,9 +124,9 @@ constexpr ReportRow kVolumeAdviceRows[] = {
         {.name = "steps", .text = "Share of the samples next to steps", .unit = "share"}),
     reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.resolved()); }>(
         {.name = "resolved", .text = "Whether samples are dense enough for what they show"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, std::string(r.offer.suited.method)); }>(
+    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, std::string(r.offer.recommended.method)); }>(
         {.name = "method", .text = "Method that suits it"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.suited.why); }>(
+    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.recommended.why); }>(
         {.name = "why", .text = "Reason for that"})};
 
 }  // namespace

@@ -156,19 +156,19 @@ const VolumeTraits& VolumeModel::traits(Progress& progress) const {
     s.dataset->default_array();  // there must be one
     return measure_volume_traits(*volume, volume_values(*volume, s.choice.array), progress);
   });
-  s.suited = choose_reconstruction(*volume, *s.traits);
+  s.recommended = choose_reconstruction(*volume, *s.traits);
   return *s.traits;
 }
 
-const ReconstructionChoice& VolumeModel::suited(Progress& progress) const {
+const ReconstructionChoice& VolumeModel::recommended(Progress& progress) const {
   traits(progress);
-  return state_->suited;
+  return state_->recommended;
 }
 
 ReconstructionOptions options_for(const VolumeModel& volume, const std::string& array, Progress& progress) {
   ReconstructionOptions options = volume.options().reconstruction;
   const FittedVolume* const fitted = dataset_of(volume).fitted();
-  if (!options.method && (!fitted || fitted->array != array)) options.method = volume.suited(progress).method;
+  if (!options.method && (!fitted || fitted->array != array)) options.method = volume.recommended(progress).method;
   return options;
 }
 
@@ -176,7 +176,7 @@ void VolumeModel::State::keep_report(const ReconstructionReport& of, const Recon
   if (std::exchange(reported, true)) return;
   report = of;
   // What suits the data was put in here, not by who opened the volume.
-  if (asked.method && !options.reconstruction.method) report.why = suited.why;
+  if (asked.method && !options.reconstruction.method) report.why = recommended.why;
 }
 
 std::shared_ptr<const VolumeField> VolumeModel::field(Progress& progress, std::vector<Note>& notes) const {

@@ -24,7 +24,7 @@ struct VolumeModel::State {
   ArrayChoice choice;
   std::shared_ptr<const SampledVolume> samples;
   std::optional<VolumeTraits> traits;
-  ReconstructionChoice suited;
+  ReconstructionChoice recommended;
   ReconstructionReport report;
   bool reported = false;
   std::vector<Made> made;

@@ -87,9 +87,9 @@ TEST(CurvatureJob, OfAMeshEveryVertexKeepsItsPlace) {
 TEST(ProjectJob, ChoosesWhatSuitsTheSamples) {
   Progress progress;
   const PointSet noisy = sphere(3000, 0.02);
-  const ProjectResult suited = project({.points = noisy}, {}, progress);
-  EXPECT_EQ(suited.report.method, "partition");
-  EXPECT_GT(suited.report.moved.mean_move, 0);
+  const ProjectResult recommended = project({.points = noisy}, {}, progress);
+  EXPECT_EQ(recommended.report.method, "partition");
+  EXPECT_GT(recommended.report.moved.mean_move, 0);
   ProjectOptions options;
   options.surface.smoothing = 3;
   EXPECT_EQ(project({.points = noisy}, options, progress).report.method, "curvature");

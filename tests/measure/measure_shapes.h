@@ -51,7 +51,7 @@ class SphereField : public ScalarField {
   double margin_;
 };
 
-/// Torus around z; its values are those of the distance times a factor that varies in space.
+/// Torus around z; its values are the distance times a factor that varies in space.
 class TorusField : public ScalarField {
  public:
   Box3 bounds() const override { return {{-1.6, -1.6, -0.6}, {1.6, 1.6, 0.6}}; }

@@ -1,9 +1,10 @@
 #include "sansmesh/volume/grid/coincident_points.h"
 
 #include <cmath>
+#include <utility>
 
 #include "sansmesh/box.h"
-#include "sansmesh/core/parallel.h"
+#include "sansmesh/core/parallel_collect.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/volume/cells/box_tree.h"
 
@@ -15,7 +16,7 @@ std::vector<std::uint32_t> coincident_points(std::span<const Vec3> points, std::
   Box3 whole;
   std::vector<std::uint32_t> some;
   for (std::size_t p = 0; p < n; ++p) {
-    if (!std::isfinite(shortest_edges[p])) continue;  // no cell's corner
+    if (!std::isfinite(shortest_edges[p])) continue;  // not a cell corner
     whole.extend(points[p]);
     if (joinable[p]) some.push_back(static_cast<std::uint32_t>(p));
   }
@@ -25,27 +26,23 @@ std::vector<std::uint32_t> coincident_points(std::span<const Vec3> points, std::
     const double t = tolerance(some[i]);
     return Box3{points[some[i]] - Vec3{t, t, t}, points[some[i]] + Vec3{t, t, t}};
   });
-  constexpr std::size_t kChunk = 4096;
-  std::vector<std::vector<std::uint64_t>> pairs((some.size() + kChunk - 1) / kChunk);
-  parallel_for(0, pairs.size(), 1, [&](std::size_t chunk) {
+  using Pair = std::pair<std::uint32_t, std::uint32_t>;
+  const auto collect = [&](std::size_t first, std::size_t last, std::vector<Pair>& pairs) {
     std::vector<std::uint32_t> near;
-    for (std::size_t i = chunk * kChunk; i < std::min(some.size(), (chunk + 1) * kChunk); ++i) {
+    for (std::size_t i = first; i < last; ++i) {
       const std::uint32_t p = some[i];
       tree.containing(points[p], near);
       for (const std::uint32_t k : near) {
         const std::uint32_t q = some[k];
         if (q <= p) continue;
         const double t = std::min(tolerance(p), tolerance(q));
-        if (squared_norm(points[p] - points[q]) <= t * t)
-          pairs[chunk].push_back(static_cast<std::uint64_t>(p) << 32 | q);
+        if (squared_norm(points[p] - points[q]) <= t * t) pairs.emplace_back(p, q);
       }
     }
-  });
+  };
   UnionFind sets(n);
   bool any = false;
-  for (const auto& chunk : pairs)
-    for (const std::uint64_t pair : chunk)
-      any = sets.join(static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair)) || any;
+  for (const auto& [p, q] : parallel_collect<Pair>(some.size(), 4096, collect)) any = sets.join(p, q) || any;
   if (!any) return {};
   std::vector<std::uint32_t> first(n);
   for (std::size_t p = 0; p < n; ++p) first[p] = sets.find(static_cast<std::uint32_t>(p));

@@ -1,4 +1,4 @@
-#include "sansmesh/volume/cells/familiar_cells.h"
+#include "sansmesh/volume/cells/cell_cache.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,13 +11,12 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kMost = 65536;  // familiar cells: some hundred bytes each
-constexpr int kMostSteps = 6;         // through faces; farther away a search is as quick
-/// Cells overlap by rounding. A place within a cell by the margin of its parameters lies deeper than that.
-constexpr double kRounding = 1e-13;
+constexpr std::size_t kMost = 65536;  // cached cells, some hundred bytes each
+constexpr int kMostSteps = 6;         // through faces; a search is as fast for longer distances
+/// Cells overlap by rounding. Points with this margin of their parameters are deeper than the overlap.
+constexpr double kCellOverlap = 1e-13;
 
-/// The sides of the parameters' range as faces: whose corners all have that parameter. Only of tetrahedra and
-/// hexahedra.
+/// Corners of the faces at the bounds of the parameters. Only for tetrahedra and hexahedra.
 std::size_t side_count(CellShape shape) {
   return shape == CellShape::hexahedron ? 6 : shape == CellShape::tetrahedron ? 4 : 0;
 }
@@ -29,7 +28,7 @@ std::span<const std::uint8_t> corners_of_side(CellShape shape, std::size_t side)
   return kTetrahedron[side];
 }
 
-/// By how much u is beyond the side that it is farthest beyond (negative inside), and which that is.
+/// Largest violation of a parameter bound (negative inside), and the side with it.
 inline double beyond_side(CellShape shape, const Vec3& u, std::size_t& side) {
   side = 0;
   if (shape == CellShape::tetrahedron) {
@@ -63,7 +62,7 @@ Extent extent(std::span<const Vec3> x, const Vec3& normal) {
 
 }  // namespace
 
-FamiliarCells::FamiliarCells(const SampledVolume& volume, const BoxTree& boxes, std::span<const std::uint8_t> folded)
+CellCache::CellCache(const SampledVolume& volume, const BoxTree& boxes, std::span<const std::uint8_t> folded)
     : volume_(volume),
       boxes_(boxes),
       folded_(folded),
@@ -71,21 +70,21 @@ FamiliarCells::FamiliarCells(const SampledVolume& volume, const BoxTree& boxes, 
       state_(volume.cells.size()),
       cells_(most_) {}
 
-FamiliarCells::~FamiliarCells() = default;
+CellCache::~CellCache() = default;
 
-std::uint32_t FamiliarCells::find(const Vec3& x, std::uint32_t from, double margin, Vec3& u) const {
+std::uint32_t CellCache::find(const Vec3& x, std::uint32_t from, double margin, Vec3& u) const {
   for (int step = 0; step < kMostSteps && from < state_.size(); ++step) {
     const Cell* const cell = known(from);
     if (!cell) return kNoCell;
     const CellShape shape = cell->inverse.shape();
     const Vec3 at = x - cell->corner;
-    // What is far outside by the linear part is so by the rest.
+    // A point far outside by the linear part is also outside by the nonlinear one.
     constexpr double kFar = 0.5;
     std::size_t side = 0;
     if (!(beyond_side(shape, cell->inverse.guess(at), side) > kFar)) {
       if (!cell->inverse.invert(at, u)) return kNoCell;
       const double out = beyond_side(shape, u, side);
-      // Of other shapes there are more sides; a place on a side may belong to others.
+      // Other shapes have more sides; a point on a side may belong to other cells.
       const bool within = out < -margin && (side_count(shape) > 0 || parameters_within(shape, u, margin));
       if (within) {
         for (const Rival& rival : cell->rivals)
@@ -100,10 +99,10 @@ std::uint32_t FamiliarCells::find(const Vec3& x, std::uint32_t from, double marg
   return kNoCell;
 }
 
-void FamiliarCells::count(std::uint32_t cell) const {
+void CellCache::count(std::uint32_t cell) const {
   std::uint32_t state = state_[cell].load(std::memory_order_relaxed);
   if (state >= kOften) return;
-  if (state + 1 < kOften) {  // a count that gets lost between threads does no harm
+  if (state + 1 < kOften) {  // counts lost between threads are harmless
     state_[cell].compare_exchange_weak(state, state + 1, std::memory_order_relaxed);
     return;
   }
@@ -113,12 +112,12 @@ void FamiliarCells::count(std::uint32_t cell) const {
     used_.store(static_cast<std::uint32_t>(most_), std::memory_order_relaxed);
     return;
   }
-  cells_[slot] = familiar(cell);
+  cells_[slot] = make_entry(cell);
   state_[cell].store(kOften + slot, std::memory_order_release);
 }
 
-std::unique_ptr<FamiliarCells::Cell> FamiliarCells::familiar(std::uint32_t number) const {
-  if (!folded_.empty() && folded_[number] != 0) return nullptr;  // where parameters may not be those of the search
+std::unique_ptr<CellCache::Cell> CellCache::make_entry(std::uint32_t number) const {
+  if (!folded_.empty() && folded_[number] != 0) return nullptr;  // parameters may differ from those of the search
   const CellList& cells = volume_.cells;
   std::array<Vec3, 8> own, other;
   const auto corners_of = [&](std::uint32_t cell, std::array<Vec3, 8>& into) {
@@ -161,8 +160,8 @@ std::unique_ptr<FamiliarCells::Cell> FamiliarCells::familiar(std::uint32_t numbe
       };
       if (cell.beyond[side] == kNoCell && std::all_of(corners.begin(), corners.end(), shared)) cell.beyond[side] = n;
     }
-    // The plane, among those along faces of both and across the way between them, that leaves least of this cell to the
-    // other one.
+    // Among the planes along faces of both cells and perpendicular to the line between them, the one that leaves the
+    // smallest part of this cell on the side of the other.
     directions.resize(own_directions);
     normals(cells.shapes[n], its, directions);
     for (std::size_t k = own_directions; k < directions.size(); ++k) directions[k] *= -1;
@@ -177,9 +176,9 @@ std::unique_ptr<FamiliarCells::Cell> FamiliarCells::familiar(std::uint32_t numbe
       const Extent here = extent(mine, normal), there = extent(its, normal);
       const double thin = std::min(here.upper - here.lower, there.upper - there.lower);
       const double overlap = here.upper - there.lower;
-      apart = overlap <= kRounding * thin;
+      apart = overlap <= kCellOverlap * thin;
       if (apart) break;
-      if (overlap < least * thin) least = overlap / thin, best = {normal, there.lower - kRounding * thin};
+      if (overlap < least * thin) least = overlap / thin, best = {normal, there.lower - kCellOverlap * thin};
     }
     if (!apart) cell.rivals.push_back(best);
   }

@@ -1,4 +1,4 @@
-#include "sansmesh/volume/grid/mended_cells.h"
+#include "sansmesh/volume/grid/repaired_cells.h"
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The faces of a cell some of whose corners are the same, as rings without repetitions.
+/// The faces of a cell with coincident corners, as rings without repetitions.
 struct Hull {
   std::array<std::array<std::uint32_t, 4>, 6> rings;
   std::array<std::size_t, 6> sizes;
@@ -41,7 +41,7 @@ struct Hull {
   }
 
  private:
-  /// Two faces with the same corners enclose nothing.
+  /// Removes pairs of faces with the same corners.
   void cancel() {
     for (std::size_t f = 0; f < faces; ++f)
       for (std::size_t g = f + 1; g < faces; ++g) {
@@ -62,7 +62,7 @@ struct Piece {
   std::array<std::uint32_t, 8> corners;
 };
 
-/// A cell with repeated corners as cells without, if there is anything left of it.
+/// Replaces a cell with repeated corners by cells without repetitions, if any volume remains.
 void pieces_of(CellShape shape, std::span<const std::uint32_t> corners, std::vector<Piece>& pieces) {
   pieces.clear();
   const Hull hull(shape, corners);
@@ -82,8 +82,8 @@ void pieces_of(CellShape shape, std::span<const std::uint32_t> corners, std::vec
       ++triangle_count;
     }
   if (count == 6 && hull.faces == 5 && triangle_count == 2) {
-    // A wedge, if each corner of one triangle has its partner on the other: the only other corner of the two
-    // quadrilaterals around it, next to it in both.
+    // The cell is a wedge if each corner of one triangle has a partner on the other: the only other corner common to
+    // the two quadrilaterals around it, and adjacent to it in both.
     const auto& one = hull.rings[triangles[0]];
     Piece wedge{CellShape::wedge, {one[0], one[1], one[2]}};
     bool complete = true;
@@ -102,7 +102,7 @@ void pieces_of(CellShape shape, std::span<const std::uint32_t> corners, std::vec
     if (complete) pieces.push_back(wedge);
   }
   if (!pieces.empty()) return;
-  // Cones over all faces from a corner that repeats: of the faces around it none is cut but those.
+  // Cones over all faces from a repeated corner: only faces at this corner are degenerate.
   std::uint32_t tip = corners[0];
   for (std::size_t i = 0; i < corners.size(); ++i)
     if (std::count(corners.begin(), corners.end(), corners[i]) > 1) {
@@ -174,11 +174,11 @@ std::vector<std::uint32_t> join_coincident(GatheredCells& g) {
   return first;
 }
 
-std::vector<std::uint32_t> mend_cells(GatheredCells& g, VolumeFacts& facts) {
+std::vector<std::uint32_t> repair_cells(GatheredCells& g, VolumeFacts& facts) {
   const std::size_t n = g.cells.size();
   std::vector<CellState> states(n);
   parallel_for(0, n, 4096, [&](std::size_t c) { states[c] = state_of(g, g.cells.shapes[c], g.cells[c]); });
-  // A block all of whose cells are inside out only has its indices the other way round.
+  // A block in which all cells are inverted only has a reversed index order.
   std::vector<std::size_t> right(65536, 0), wrong(65536, 0);
   const auto block = [&](std::size_t c) { return g.cell_block.empty() ? std::size_t{0} : g.cell_block[c]; };
   bool all_good = true;
