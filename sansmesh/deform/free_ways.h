@@ -1,4 +1,4 @@
-// How much longer ways get by a surface that stands in between: on a lattice.
+// Lengths of detours around a surface, on a lattice.
 #pragma once
 
 #include <array>
@@ -10,27 +10,28 @@
 
 namespace sansmesh::inline v1 {
 
-/// A lattice over a box with what of it a sheet cuts. From a place, nodes that it sees are straight away. Ways to the
-/// others are found in the order of their lengths: each node knows the last bend of its way, from which it is straight
-/// to it, and its neighbours, with which it is linked unless the sheet crosses the link, take that bend over where they
-/// see it. Where the sheet comes in between, an edge at which it ends or is bent passes through the narrow triangle of
-/// bend, node and neighbour, and becomes the place of the next bend. So lengths are those of real ways, straight
-/// between bends on edges, and miss the shortest by a share of a cell that shrinks with its size.
+/// A lattice over a box, with the links that a sheet cuts. From a source, visible nodes are reached straight. Paths to
+/// the others are found in order of length: each node stores the last bend of its path, from which the path is
+/// straight; its neighbours, if the sheet does not cross the link between them, adopt that bend if they see it. If the
+/// sheet intervenes, one of its border or bent edges crosses the narrow triangle of bend, node and neighbour; the
+/// crossing becomes the next bend. Lengths are therefore those of real paths, straight between bends on edges, and
+/// exceed the shortest by a fraction of a cell.
 class FreeWays {
  public:
-  /// Cubes, `cells` along the longest side of the box, which is grown to whole cells. The sheet must outlive it.
+  /// Cubic cells, `cells` along the longest side of the box, which is enlarged to whole cells. The sheet must outlive
+  /// this.
   FreeWays(const TriangleSheet& sheet, const Box3& box, int cells);
 
-  /// What cannot be reached at all is this much farther: a million times as long as the lattice.
+  /// Extra length of unreachable nodes: a million times the lattice's size.
   double unreachable() const { return unreachable_; }
 
-  /// For every node the length that ways from `from` get longer by, >= 0. Parallel.
+  /// For every node the extra length, >= 0, of the path from `from` over the distance. Parallel.
   std::vector<float> extras(const Vec3& from) const;
 
-  /// Of values at the nodes: linear in between, from the nodes that lie on the same side of the sheet as x. Where a
-  /// node comes into sight around the border its weight grows gradually, within half a cell of the border, so that the
-  /// result is continuous in x but across the sheet. Beyond the lattice that of the nearest place in it; 0 where x is
-  /// not finite. The gradient is that of the interpolation.
+  /// Interpolates values at the nodes: linear, using the nodes on the same side of the sheet as x. Where a node becomes
+  /// visible around the border its weight grows gradually, within half a cell of the border, so that the result is
+  /// continuous in x except across the sheet. Outside the lattice the nearest point of it is used; the result is 0
+  /// where x is not finite. The gradient is that of the interpolation.
   struct Value {
     double value = 0;
     Vec3 gradient;
@@ -52,10 +53,10 @@ class FreeWays {
   const TriangleSheet& sheet_;
   Box3 box_;
   double spacing_ = 0, unreachable_ = 0;
-  std::array<std::size_t, 3> n_{};       // nodes
-  std::array<std::size_t, 3> stride_{};  // between neighbours
-  std::vector<std::uint8_t> closed_;     // of each node: bit k set, the link to the next one along axis k is crossed
-  std::vector<std::uint8_t> cut_;        // of each node: the cell that begins there may hold a part of the sheet
+  std::array<std::size_t, 3> n_{};       // nodes per axis
+  std::array<std::size_t, 3> stride_{};  // index step between neighbours
+  std::vector<std::uint8_t> closed_;  // per node: bit k set if the sheet crosses the link to the next node along axis k
+  std::vector<std::uint8_t> cut_;     // per node: the cell that starts there may contain part of the sheet
 };
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// JSON of scenes: objects all of whose keys must be known, with errors that tell the place.
+// JSON objects of scenes: all keys must be known, and errors name the location.
 #pragma once
 
 #include <fmt/core.h>
@@ -22,7 +22,7 @@ namespace sansmesh::inline v1::detail {
 
 using SceneJson = nlohmann::ordered_json;
 
-/// An object of the scene. All members throw ArgumentError that begins with the place.
+/// An object of the scene. All members throw ArgumentError that begins with the location.
 class SceneFields {
  public:
   SceneFields(const SceneJson& json, std::string where, std::initializer_list<std::string_view> known);
@@ -35,7 +35,7 @@ class SceneFields {
   int whole(const char* key) const;
   std::string text(const char* key) const;
   Vec3 vector(const char* key) const;
-  Vec3 direction(const char* key) const;  ///< of length 1
+  Vec3 direction(const char* key) const;  ///< of unit length
   template <class T, class Get>
   void get(const char* key, std::optional<T>& value, Get&& how) const {
     if (has(key)) value = (this->*how)(key);
@@ -46,7 +46,7 @@ class SceneFields {
   std::string where_;
 };
 
-/// Throws ArgumentError for what is no JSON, and for a key that an object has twice: one of them would win unnoticed.
+/// Throws ArgumentError for invalid JSON and for a duplicate key, which would otherwise override the first silently.
 inline SceneJson parse_scene_json(const std::string& text) {
   std::vector<std::set<std::string>> open;
   std::string twice;
@@ -117,8 +117,8 @@ inline Vec3 SceneFields::direction(const char* key) const {
   return normalized(v);
 }
 
-/// The entries of a list, with the place of each; anything else stands for a list of it alone. An empty list, which
-/// would say nothing, is an error.
+/// The entries of a list with the location of each; anything else counts as a list of one entry. An empty list is an
+/// error, because it has no effect.
 inline std::vector<std::pair<std::string, const SceneJson*>> scene_entries(const SceneJson& json,
                                                                            const std::string& where) {
   std::vector<std::pair<std::string, const SceneJson*>> all;

@@ -1,4 +1,4 @@
-// Stream and path surfaces by fronts that advance.
+// Stream and path surfaces by advancing fronts.
 #pragma once
 
 #include <cstdint>
@@ -14,24 +14,23 @@
 
 namespace sansmesh::inline v1 {
 
-/// Points and triangles; points that no triangle has are left in.
+/// Points and triangles; may include points without triangles.
 struct FlowSheet {
-  std::vector<FlowPoint> points;  ///< without normals where they are not known
+  std::vector<FlowPoint> points;  ///< without normals where these are unknown
   std::vector<Triangle> triangles;
   FlowSurfaceReport report;
 };
 
-/// The seeds' front, and those forward, backward or both from it to their ends. `field` is steady for stream surfaces;
-/// the options have been checked and have a `start`.
+/// The front at the seeds and all fronts forward, backward or both, to their ends. `field` is steady for stream
+/// surfaces; the options are valid and have a `start`.
 FlowSheet advance_fronts(const VectorField& field, const SeedCurve& curve, const FlowSurfaceOptions& options,
                          Progress& progress);
 
-/// Time in which a particle of median speed goes as far as Δ₀ = `spacing`. Throws DataError where the flow stands
-/// still.
+/// Time in which a particle of median speed moves by Δ₀ = `spacing`. Throws DataError if the flow is at rest.
 double front_time(std::vector<double> speeds, double spacing);
 
-/// Particles that begin nearer to each other (length) have nothing between them: where they part it is the error of the
-/// integration that tells which goes where. A fifth of its tolerance, or of what that would be.
+/// Smallest distance of starting points (length) between which a particle is inserted. Below it, the integration error
+/// decides the paths of separating particles. A fifth of the integrator's tolerance, or of its default.
 double least_seed_distance(const VectorField& field, const TraceOptions& options);
 
 }  // namespace sansmesh::inline v1

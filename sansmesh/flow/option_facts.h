@@ -1,4 +1,4 @@
-// Facts of the options that lines and surfaces of flows share.
+// Descriptions of options shared by flow lines and flow surfaces.
 #pragma once
 
 #include <string_view>

@@ -26,7 +26,8 @@ void drop_unused_vertices(PieceMesh& mesh);
 void balance_pieces(const PiecewiseField& field, PieceMesh& mesh);
 
 /// For a mesh whose creases are edges but that forgot its pieces (after simplification): finds the piece of each
-/// triangle, and puts each vertex on the pieces around it again where no triangle suffers.
+/// Restores the pieces of a mesh whose creases are edges, after simplification: finds the piece of each triangle, and
+/// moves each vertex back onto its pieces where no triangle deteriorates.
 PieceMesh recall_pieces(const PiecewiseField& field, std::vector<Vec3> x, std::vector<Triangle> triangles);
 
 /// Vertex normals: gradients of the adjacent pieces, weighted by the angles of their triangles.
