@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kCutMapGrain = 4096;
 
-/// Answers in a part of the places only, in order.
+/// Workspace for n results, if they are wanted.
 template <class T>
 std::vector<T> scratch_for(std::span<T> wanted, std::size_t n) {
   return std::vector<T>(wanted.empty() ? 0 : n);
@@ -37,11 +37,11 @@ CutMap::CutMap(std::shared_ptr<const SpaceMap> exact, std::vector<std::shared_pt
     for (std::size_t k = 0; k < 3; ++k) x[k] += static_cast<double>(at[k]) * spacing_[k];
     return x;
   };
-  const double reach = norm(spacing_) / 2;  // whatever is in a cell is no farther from one of its corners
+  const double reach = norm(spacing_) / 2;  // every point of a cell is within this distance of a corner
   const std::size_t points = sizes[0] * sizes[1] * sizes[2];
   const std::array<std::size_t, 3> stride = {1, sizes[0], sizes[0] * sizes[1]};
-  std::vector<std::uint8_t> crossed(points);  // a link to the next point along some axis is crossed
-  std::vector<std::uint8_t> near(points);     // a cut may be within reach
+  std::vector<std::uint8_t> crossed(points);  // per point: a cut crosses the link to the next point along some axis
+  std::vector<std::uint8_t> near(points);     // per point: a cut may be within reach
   parallel_ranges(0, points, kCutMapGrain, [&](std::size_t first, std::size_t last) {
     std::vector<double> found;
     for (std::size_t i = first; i < last; ++i) {
@@ -57,7 +57,7 @@ CutMap::CutMap(std::shared_ptr<const SpaceMap> exact, std::vector<std::shared_pt
       crossed[i] = !found.empty();
       for (const auto& cut : cuts) {
         Gap gap;
-        cut->gaps({&x, 1}, {&x, 1}, {}, {&gap, 1});  // no deeper below 0 than x is far from the cut
+        cut->gaps({&x, 1}, {&x, 1}, {}, {&gap, 1});  // depth >= −(distance of x from the cut)
         near[i] = near[i] || gap.depth >= -reach;
       }
     }
@@ -80,7 +80,7 @@ CutMap::CutMap(std::shared_ptr<const SpaceMap> exact, std::vector<std::shared_pt
   for (std::size_t i = 0; i < points; ++i) {
     if (!crossed[i]) continue;
     const std::array<std::size_t, 3> at = {i % sizes[0], i / sizes[0] % sizes[1], i / stride[2]};
-    std::array<std::size_t, 3> from{}, to{};  // cells around the link, whichever it is, and their neighbours
+    std::array<std::size_t, 3> from{}, to{};  // cells around the link in any direction, and their neighbours
     for (std::size_t k = 0; k < 3; ++k) {
       from[k] = at[k] < 2 ? 0 : at[k] - 2;
       to[k] = std::min(at[k] + 1, cells[k] - 1);

@@ -16,10 +16,10 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kLookups = 1024;
-constexpr std::size_t kChunk = 256;          // points that are mapped at a time
-constexpr std::size_t kBlock = 8;            // points along each axis whose bounds are kept
-constexpr std::size_t kMostNodes = 1200000;  // 77 MB: of larger lattices differences are taken at each place
-constexpr double kUneven = 1e-4;             // of the spacing
+constexpr std::size_t kChunk = 256;          // points mapped at a time
+constexpr std::size_t kBlock = 8;            // points along each axis of a block with cached bounds
+constexpr std::size_t kMostNodes = 1200000;  // 77 MB: for larger lattices, differences are computed on demand
+constexpr double kUneven = 1e-4;             // in spacings
 
 void check_lattice(const Box3& box, const std::array<std::size_t, 3>& sizes) {
   for (std::size_t k = 0; k < 3; ++k) {
@@ -32,12 +32,12 @@ void check_lattice(const Box3& box, const std::array<std::size_t, 3>& sizes) {
 
 }  // namespace
 
-/// The points around a place, and their weights.
+/// Lattice points around a position, with weights.
 struct DisplacementMap::Corners {
-  std::size_t first = 0;                ///< number of the lowest
+  std::size_t first = 0;                ///< index of the lowest
   std::array<std::size_t, 3> stride{};  ///< to the next along each axis
-  std::array<double, 8> weight{};       ///< of point (c & 1, c & 2, c & 4)
-  std::array<bool, 3> inside{};         ///< the place is not beyond the lattice: there are derivatives
+  std::array<double, 8> weight{};       ///< for point (c & 1, c & 2, c & 4)
+  std::array<bool, 3> inside{};         ///< within the lattice along the axis: derivatives are not zero
   std::size_t at(std::size_t c) const {
     return first + (c & 1 ? stride[0] : 0) + (c & 2 ? stride[1] : 0) + (c & 4 ? stride[2] : 0);
   }
@@ -68,7 +68,7 @@ DisplacementMap::DisplacementMap(const Box3& box, const std::array<std::size_t, 
   parallel_for(0, points, 4096, [&](std::size_t p) { nodes_[p] = node_of(p); });
 }
 
-/// Differences over two cells, over one at the border of the lattice.
+/// Differences over two cells, at the border of the lattice over one.
 DisplacementMap::Node DisplacementMap::node_of(std::size_t p) const {
   const std::array<std::size_t, 3> i{p % sizes_[0], p / sizes_[0] % sizes_[1], p / sizes_[0] / sizes_[1]};
   const std::array<std::size_t, 3> stride{1, sizes_[0], sizes_[0] * sizes_[1]};
@@ -85,7 +85,7 @@ DisplacementMap::Node DisplacementMap::node_of(std::size_t p) const {
   return n;
 }
 
-/// False where the place is not finite.
+/// False where the position is not finite.
 bool DisplacementMap::corners_at(const Vec3& x, Corners& c) const {
   std::array<double, 3> f{};
   c.first = 0;
@@ -96,7 +96,7 @@ bool DisplacementMap::corners_at(const Vec3& x, Corners& c) const {
     const double u = std::clamp(free, 0.0, last);
     const auto cell = std::min(static_cast<std::size_t>(u), sizes_[k] - 2);
     f[k] = u - static_cast<double>(cell);
-    c.inside[k] = free >= 0 && free <= last;  // outside nothing changes across the border
+    c.inside[k] = free >= 0 && free <= last;  // constant outside, across the border
     c.stride[k] = stride;
     c.first += cell * stride;
     stride *= sizes_[k];
@@ -182,13 +182,13 @@ void DisplacementMap::images(std::span<const Box3> boxes, std::span<Box3> found)
     for (std::size_t k = 0; k < 3; ++k) {
       const double end = static_cast<double>(sizes_[k] - 1);
       const auto cell = [&](double x) { return std::clamp((x - box_.lower[k]) / spacing_[k], 0.0, end); };
-      // A cell more than division by the spacing says: that rounds.
+      // Allows for the rounding of the division by the spacing.
       first[k] = index_in<std::size_t>(std::floor(cell(boxes[n].lower[k]) - 1e-9), 0, sizes_[k] - 1);
       last[k] = index_in<std::size_t>(std::ceil(cell(boxes[n].upper[k]) + 1e-9), 0, sizes_[k] - 1);
     }
     const Box3f bounds = bounds_of_points(first, last);
     if (bounds.empty()) return;
-    // Sums of eight products round, too.
+    // Sums of eight products are also rounded.
     for (std::size_t k = 0; k < 3; ++k) {
       const double lower = boxes[n].lower[k] + double{bounds.lower[k]},
                    upper = boxes[n].upper[k] + double{bounds.upper[k]};
@@ -213,7 +213,7 @@ DisplacementMap displacement_map(const SpaceMap& map, const Box3& box, const std
                                  Progress& progress) {
   check_lattice(box, sizes);
   const std::size_t points = sizes[0] * sizes[1] * sizes[2];
-  // Not filled with zeros: the threads below touch it first.
+  // Uninitialised memory: the threads below touch it first.
   const std::shared_ptr<void> memory(::operator new(points * sizeof(Vec3f)), [](void* m) { ::operator delete(m); });
   const std::span<Vec3f> displacements(static_cast<Vec3f*>(memory.get()), points);
   std::vector<float> gaps(map.has_gaps() ? points : 0);

@@ -33,7 +33,7 @@ struct FoldLattice {
     for (std::size_t k = 0; k < 3; ++k) x[k] += spacing[k] * static_cast<double>(i[k]);
     return x;
   }
-  /// Points at the faces stand for half as much as others, at edges for a quarter, at corners for an eighth.
+  /// Points on faces represent half the volume of others, on edges a quarter, at corners an eighth.
   double volume(std::size_t p) const {
     const auto i = index(p);
     double v = 1;

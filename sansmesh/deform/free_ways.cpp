@@ -13,14 +13,14 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr double kUnreachable = 1e6;  // lengths of the lattice
-constexpr double kSight = 0.5;        // cells from the border, over which nodes behind it come into sight
-constexpr double kAside = 1e-3;       // cells by which bends keep away from the sheet
-constexpr double kBetter = 1e-4;      // cells by which a way has to be shorter to be taken instead of another
+constexpr double kUnreachable = 1e6;  // in lengths of the lattice
+constexpr double kSight = 0.5;        // cells from the border within which nodes behind it become visible gradually
+constexpr double kAside = 1e-3;       // distance of bends from the sheet, in cells
+constexpr double kBetter = 1e-4;      // least reduction of length for which a path is replaced, in cells
 constexpr int kBends = 4;             // between neighbours
 constexpr std::size_t kNodesAtATime = 4096;
 
-/// The place on the segment from p to q over which the way from a to b is shortest.
+/// The point on the segment from p to q that minimises the path from a over it to b.
 Vec3 best_bend(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
   const double length = norm(q - p);
   const Vec3 along = (q - p) / length;
@@ -47,7 +47,7 @@ FreeWays::FreeWays(const TriangleSheet& sheet, const Box3& box, int cells) : she
   closed_.assign(count, 0);
   cut_.assign(count, 0);
 
-  // Which cells a triangle may touch: those of its box, in thin slabs along its plane.
+  // Cells that a triangle may touch: those of its box, in thin slabs along its plane.
   for (std::size_t i = 0; i < sheet_.size(); ++i) {
     const std::array<Vec3, 3> t = sheet_.corners(i);
     Box3 around;
@@ -77,7 +77,7 @@ FreeWays::FreeWays(const TriangleSheet& sheet, const Box3& box, int cells) : she
       const std::array<std::size_t, 3> at = {i % n_[0], i / n_[0] % n_[1], i / stride_[2]};
       for (std::size_t k = 0; k < 3; ++k) {
         if (at[k] + 1 == n_[k]) continue;
-        // The link lies on up to four cells; if none of them is touched, nothing crosses it.
+        // The link belongs to up to four cells; if none of them is touched, nothing crosses it.
         bool near = false;
         const std::size_t u = (k + 1) % 3, v = (k + 2) % 3;
         for (std::size_t corner = 0; corner < 4 && !near; ++corner) {
@@ -102,13 +102,13 @@ Vec3 FreeWays::place(std::size_t node) const { return place({node % n_[0], node 
 
 struct FreeWays::Bend {
   Vec3 place;
-  double length = 0;  // of the way up to it
+  double length = 0;  // length of the path to the bend
 };
 
 struct FreeWays::March {
   using Entry = std::pair<double, std::uint32_t>;
   std::vector<double> lengths;
-  std::vector<std::uint32_t> last;  // of each node: its bend
+  std::vector<std::uint32_t> last;  // per node: its bend
   std::vector<Bend> bends;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> next;
   std::vector<TriangleSheet::Bend> edges;
@@ -119,7 +119,7 @@ struct FreeWays::March {
   }
 };
 
-/// Whether the way to a node leads on to its neighbour.
+/// Extends the path of a node to its neighbour, if that is shorter.
 void FreeWays::relax(March& march, std::size_t from, std::size_t to) const {
   const Vec3 y = place(from), x = place(to);
   const double enough = march.lengths[to] - kBetter * spacing_;
@@ -129,7 +129,7 @@ void FreeWays::relax(March& march, std::size_t from, std::size_t to) const {
   for (int i = 0; i < kBends; ++i) {
     march.edges.clear();
     sheet_.bends(bend.place, y, x, spacing_, march.edges);
-    // Of all edges in between the one that is farthest from the straight way.
+    // Among all edges in between, the one farthest from the straight line.
     const Vec3 straight = normalized(x - bend.place);
     const Vec3 aside = normalized(y - bend.place - straight * dot(y - bend.place, straight));
     double most = 0;
@@ -254,7 +254,7 @@ FreeWays::Value FreeWays::interpolate(const std::vector<float>& values, const Ve
     const double step = 1e-4 * spacing_;
     for (std::size_t k = 0; k < 3; ++k) {
       if (beyond[k]) continue;
-      // Within the cell, and on this side of the sheet.
+      // A second point within the cell, on this side of the sheet.
       Vec3 q = p;
       double by = f[k] < 0.5 ? step : -step;
       q[k] += by;

@@ -53,7 +53,7 @@ Vec3 handle_vector(const HandleJson& json, const char* key, const HandlePlace& a
 
 constexpr double kRounding = 1e-15;
 
-/// The direction with length 1. One that has it but for rounding stays as it is: files read back as they were written.
+/// Normalises a direction unless it is unit up to rounding, so that files are read back exactly.
 Vec3 unit_direction(const Vec3& v) { return std::abs(norm(v) - 1) <= kRounding ? v : normalized(v); }
 
 Vec3 handle_direction(const HandleJson& json, const char* key, const HandlePlace& at) {
@@ -71,7 +71,7 @@ std::array<const HandleJson*, 2> before_after(const HandleJson& json, const char
   return {&json["before"], &json["after"]};
 }
 
-/// Three directions at right angles to each other, and right-handed: a little off by rounding is put right.
+/// Three orthogonal, right-handed directions; rounding errors are corrected.
 std::array<Vec3, 3> frame_of(const HandleJson& json, const HandlePlace& at) {
   constexpr double kOff = 1e-3;
   if (!json.is_array() || json.size() != 3) at.fail("'frame' must hold three directions before and three after");
@@ -133,7 +133,7 @@ std::vector<Handle> handles_of_json(const std::string& text, const std::string& 
   const HandlePlace file{name, {}};
   HandleJson json;
   try {
-    // Of two keys in an object the last would win, silently.
+    // The JSON parser would silently use the last of duplicate keys.
     std::vector<std::set<std::string>> keys;
     json = detail::parse_json<HandleJson>(text, [&](int, HandleJson::parse_event_t event, HandleJson& value) {
       if (event == HandleJson::parse_event_t::object_start) keys.emplace_back();
@@ -154,7 +154,7 @@ std::vector<Handle> handles_of_json(const std::string& text, const std::string& 
   return handles;
 }
 
-/// The numbers of a row; nothing where a word is none.
+/// Parses the numbers of a row; false if a word is not a number.
 bool numbers_of(std::string_view line, std::vector<double>& numbers) {
   numbers.clear();
   const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -177,7 +177,7 @@ bool numbers_of(std::string_view line, std::vector<double>& numbers) {
   }
 }
 
-/// Whether a row begins like one of numbers, so that it is no names of columns.
+/// Whether a row begins with a number, as opposed to column names.
 bool row_of_numbers(std::string_view row) {
   const std::size_t first = row.find_first_not_of(" \t\r+-.");
   return first != std::string_view::npos && row[first] >= '0' && row[first] <= '9';
@@ -187,7 +187,7 @@ std::vector<Handle> handles_of_table(const std::string& text, const std::string&
   std::vector<Handle> handles;
   std::vector<double> n;
   std::size_t line = 0;
-  bool named = false;  // the names of the columns have been passed
+  bool named = false;  // the header row has been skipped
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     std::string_view row(text.data() + begin, end - begin);
@@ -219,7 +219,7 @@ HandleJson json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 }  // namespace
 
 std::vector<Handle> parse_handles(const std::string& whole, const std::string& name) {
-  constexpr std::string_view kMark = "\xef\xbb\xbf";  // that some editors put before UTF-8
+  constexpr std::string_view kMark = "\xef\xbb\xbf";  // byte order mark before UTF-8
   const std::string text = whole.starts_with(kMark) ? whole.substr(kMark.size()) : whole;
   const std::size_t first = text.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) throw FileError(name, "is empty");
@@ -280,7 +280,7 @@ std::vector<std::uint32_t> spread_vertices_of(const PointSet& points, std::size_
     if (is_finite(p)) mean += Vec3(p), ++finite;
   if (finite == 0) return chosen;
   mean = mean / static_cast<double>(finite);
-  // Squared distance from the chosen ones; from the mean while there are none.
+  // Squared distance from the chosen vertices; initially from the mean.
   std::vector<double> away(n, 0);
   for (std::size_t i = 0; i < n; ++i)
     if (is_finite(points.positions[i])) away[i] = squared_norm(Vec3(points.positions[i]) - mean);

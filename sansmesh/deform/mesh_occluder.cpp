@@ -15,7 +15,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kGrowth = 0.5;  // of the diagonal: default domain
+constexpr double kGrowth = 0.5;  // margin of the default domain over the diagonal
 
 Box3 domain_of(const Box3& sheet, const MeshOccluderOptions& options) {
   Box3 box = sheet;
@@ -83,7 +83,7 @@ class MeshOccluder final : public Occluder {
     return entry->extras;
   }
 
-  /// The segment does not cross.
+  /// Gap of a segment that does not cross.
   Gap without(const Vec3& x, const Vec3& u, const std::array<Vec3, 3>* jacobian) const {
     const TriangleSheet::Nearest n = sheet_.nearest(x, u, std::numeric_limits<double>::infinity());
     Gap gap{-n.distance, {}};
@@ -106,7 +106,7 @@ class MeshOccluder final : public Occluder {
     const double between = twice ? 0.5 * norm(crossings.back().point - first.point) : kAnywhere;
     Gap gap{std::min({apart, border.distance, between}), {}};
     if (!jacobian) return gap;
-    const auto moved = [&](const TriangleSheet::Crossing& c, std::size_t k) {  // where the crossing goes
+    const auto moved = [&](const TriangleSheet::Crossing& c, std::size_t k) {  // velocity of the crossing
       const std::array<Vec3, 3> t = sheet_.corners(c.triangle);
       const Vec3 n = cross(t[1] - t[0], t[2] - t[0]);
       Vec3 by = (*jacobian)[k] * c.share;

@@ -29,45 +29,44 @@ namespace {
 
 constexpr double kCellsOnDiagonal = 256;
 constexpr double kMostCells = 4096;
-/// Where parts have a resolution of their own, cells are as small as theirs, down to this part of the usual ones.
+/// Parts with a resolution of their own use cells of that size, down to this fraction of the usual ones.
 constexpr double kFinestShare = 4;
-/// Cells across the thinnest parts; with fewer than the least, parts may be missing. Where cells below the usual ones
-/// would take more than so many blocks, as for walls, they are twice as large.
+/// Cells across the thinnest parts; below the least number, parts may be missing. Where cells below the usual size
+/// would take more than kMostBlocks blocks, as for walls, they are twice as large.
 constexpr double kAcross = 2, kLeastAcross = 1;
 constexpr std::size_t kMostBlocks = 1'000'000;
-/// Default quadric error, in cells: a tenth of what curved parts are off anyway.
+/// Default quadric error in cells: a tenth of the error of curved parts.
 constexpr double kCsgSimplify = 9.5e-4;
-/// By default nothing is simplified where a smaller share of the vertices could go: otherwise the time would be spent
-/// in vain.
+/// By default, simplification is skipped if it could remove a smaller fraction of the vertices, which would not justify
+/// its time.
 constexpr double kCsgLeastGain = 0.05;
-/// A block is flat enough if it departs from a plane by no more than this share of what simplification accepts.
+/// A block is flat if it departs from a plane by at most this fraction of the simplification error.
 constexpr double kFlat = 0.5;
 constexpr double kRounding = 1.0001;
-/// Where blocks of two sizes meet, vertices begin farther from the surface than two steps as long as their triangles
-/// may lead.
+/// Where blocks of two sizes meet, vertices start farther from the surface than two steps of the size of their
+/// triangles reach.
 constexpr int kRootSteps = 3;
 
-/// Default mesh error, as a share of the box's diagonal.
+/// Default mesh error over the box's diagonal.
 constexpr double kCsgMeshError = 2e-5;
-/// Quadric error with which triangles are that far off on average.
+/// Quadric error, over the mean error of the resulting triangles.
 constexpr double kQuadricShare = 1.5;
-/// Surfaces that coincide but for this share of the diagonal are the same: far more than values are rounded by, and
-/// less than floats resolve.
+/// Surfaces that coincide within this fraction of the diagonal are identical: far above the rounding of values, below
+/// the resolution of float.
 constexpr double kTie = 4e-10;
-/// Components of fewer cells across than this are doubtful.
+/// Components of fewer cells across are suspicious.
 constexpr double kSpeck = 6;
 constexpr double kFlatShareOfThickness = 1e-4;
 constexpr std::size_t kMostPieceBlocks = 3'000'000;
-/// Change of the volume by the rounding of coordinates to floats from which on the mesh would mislead, as a share.
+/// Relative change of the volume by rounding to float above which the mesh is rejected.
 constexpr double kMostRoundedAway = 0.01;
 
-/// Less across than this, as a share of the distance from the origin, values are rounded to what is larger than the
-/// mesh error.
+/// Extent over distance from the origin below which values are rounded by more than the mesh error.
 constexpr double kResolvedShare = 1e-11;
 
 double farthest_coordinate(const Vec3& x) { return std::max({std::abs(x.x), std::abs(x.y), std::abs(x.z)}); }
 
-/// Where to look, or an error that says why nowhere.
+/// The box to search, or an error that explains why there is none.
 Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
   Box3 box = solid.bounds();
   if (options.box)
@@ -104,11 +103,10 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
   return box;
 }
 
-/// Where the surface may be, found on a coarse grid.
+/// Region of the surface, found on a coarse grid.
 struct Reached {
-  Box3 box;  ///< less than that of the field, which holds more than the surface: differences are smaller than what they
-             ///< begin with
-  /// Smallest blocks that a part with a known resolution needs; infinite: there is no such part.
+  Box3 box;  ///< smaller than that of the field: the bounds of a difference are those of its first operand
+  /// Smallest blocks that a part with a known resolution needs; infinite: no such part.
   double detail = std::numeric_limits<double>::infinity();
 };
 
@@ -133,7 +131,7 @@ Reached look_around(const PiecewiseField& field, const Box3& box, std::optional<
     if (detail > 0) reached.detail = std::min(reached.detail, detail);
   }
   if (reached.box.empty()) throw DataError("the solid is empty");
-  for (std::size_t k = 0; k < 3; ++k) {  // without rounding, where nothing could be left out
+  for (std::size_t k = 0; k < 3; ++k) {  // without rounding where nothing was excluded
     reached.box.lower[k] = std::max(reached.box.lower[k], box.lower[k]);
     reached.box.upper[k] = std::min(reached.box.upper[k], box.upper[k]);
   }
@@ -142,12 +140,12 @@ Reached look_around(const PiecewiseField& field, const Box3& box, std::optional<
 
 /// Edges of blocks.
 struct Cells {
-  double smooth;  ///< on curved parts of which nothing else is known
+  double smooth;  ///< on curved parts without further information
   double usual;   ///< along creases; at most `smooth`
-  double thin;    ///< along creases, as thin parts need it: `usual`, or a half, a quarter … of it
+  double thin;    ///< along creases of thin parts: `usual`, or a half, a quarter … of it
 };
 
-/// The cell that was asked for.
+/// The requested cell.
 double checked_cell(const CsgMeshOptions& options, const Vec3& size, double longest) {
   const double cell = options.cell ? *options.cell : longest / *options.resolution;
   if (longest / cell > kMostCells)
@@ -163,7 +161,7 @@ Cells cells_of(const Reached& reached, double thickness, const CsgMeshOptions& o
   if (!(longest > 0)) throw DataError("the solid has no extent");
   if (!options.cell && !options.resolution) {
     const double cell = std::min(box.diagonal() / kCellsOnDiagonal, longest / 2);
-    // Blocks of one size, where nothing will be collapsed, stay as they always are.
+    // Blocks of one size, without simplification, are independent of the parts.
     if (options.simplify.value_or(1) == 0) return {cell, cell, cell};
     const double least = cell / kFinestShare, usual = std::clamp(reached.detail, least, cell);
     double thin = usual;
@@ -184,10 +182,10 @@ void measure(const TriangleMesh& mesh, CsgMeshReport& report) {
 
 struct Blocks {
   BlockTree tree;
-  double cell;  ///< edge of the smallest
+  double cell;  ///< edge of the smallest block
 };
 
-/// Blocks as small as thin parts need them, or nearly, if those are not too many and small enough to show such parts.
+/// Blocks as small as thin parts need, or nearly, if they are not too many and small enough to resolve such parts.
 Blocks affordable_blocks(const PiecewiseField& field, const Box3& box, const Cells& cells, double thickness,
                          CreaseBlockOptions sizes, Progress& progress) {
   for (sizes.cell = cells.thin; sizes.cell < cells.usual && sizes.cell <= thickness / kLeastAcross; sizes.cell *= 2)
@@ -197,14 +195,14 @@ Blocks affordable_blocks(const PiecewiseField& field, const Box3& box, const Cel
   return {crease_blocks(field, box, sizes, progress), sizes.cell};
 }
 
-/// A solid is cut off by intersection, so that the faces of the cut have edges as all others.
+/// Clips a solid by intersection, so that the cut faces have crease edges.
 Solid cut_off(const Solid& solid, const Box3& box) { return csg::intersect(solid, csg::box(box.lower, box.upper)); }
 
 std::string too_thin_for(double cell, double thickness) {
   return fmt::format("parts or holes may be missing: some are {:.3g} across, cells {:.3g}", thickness, cell);
 }
 
-/// Parts of the mesh that are only a few cells large may be none of the solid.
+/// Warns of components that are only a few cells large and may not belong to the solid.
 void warn_of_specks(const TriangleMesh& mesh, CsgMeshReport& r) {
   if (r.components < 2) return;
   const MeshComponents components = find_components(mesh);
@@ -226,7 +224,7 @@ void warn_of_specks(const TriangleMesh& mesh, CsgMeshReport& r) {
         at.z));
 }
 
-/// As an error: parts that are hidden by others count, too, since nothing tells.
+/// As an error: thin parts hidden by others count too, because they cannot be distinguished.
 std::string too_thin_for_default(const Box3& box, double cell, double thickness) {
   const Vec3 size = box.size();
   const double finer = 0.9 * thickness;
@@ -237,7 +235,7 @@ std::string too_thin_for_default(const Box3& box, double cell, double thickness)
       thickness, cell, may_be_had ? fmt::format("`cell = {:.2g}`, or ", finer) : "", cell);
 }
 
-/// What becomes of it after it was cut out.
+/// Postprocessing of the extracted mesh.
 void finish(TriangleMesh& mesh, const CsgMeshOptions& options, CsgMeshReport& r) {
   MeshReport chosen;
   detail::choose_components(mesh, options.components.value_or(ComponentChoice{ComponentChoice::Kind::all, 1}), {}, 0,

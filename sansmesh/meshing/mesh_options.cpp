@@ -108,7 +108,7 @@ void MeshOptions::validate_walk() const {
 
 namespace {
 
-/// Aspect ratios are 1 at least where they were measured.
+/// Measured aspect ratios are at least 1.
 std::optional<double> if_measured(const MeshReport& r, double ratio) { return told_if(r.aspect_mean > 0, ratio); }
 
 constexpr ReportRow kMeshReportRows[] = {

@@ -97,7 +97,7 @@ constexpr OptionRow kRows[] = {
                                     .range = {kLeastDepth, kMostDepth}}),
     option<&SurfaceOptions::smooth>({.text = "Do not look for edges and corners"})};
 
-/// Those of all surfaces, then those that one has for itself.
+/// Options of all surfaces, followed by those of single methods.
 std::vector<OptionRow> all_rows() {
   std::vector<OptionRow> rows(std::begin(kRows), std::end(kRows));
   for (const SurfaceMethod* const method : SurfaceMethod::registry().all()) {
@@ -115,7 +115,7 @@ std::vector<OptionRow> all_rows() {
   return rows;
 }
 
-/// Throws ArgumentError for names in `own` that are not those of rows beyond the fields.
+/// Throws ArgumentError for names in `own` that are no options of single methods.
 void check_names(const SurfaceOptions& options) {
   const auto rows = SurfaceOptions::schema().rows.subspan(std::size(kRows));
   for (const auto& [name, value] : options.own)

@@ -11,31 +11,33 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kLeastLevel = 3;
-/// A block's edge times the bend of a piece in it, at most: then the piece is one sheet in it.
+/// Largest product of a block's edge and a piece's curvature: the piece is then one sheet in the block.
 constexpr double kMostBend = 0.7;
-/// Edge of the smallest blocks, as a share of the root's: tips end here.
+/// Smallest block edge as a fraction of the root's; tips end here.
 constexpr double kSmallest = 3.2e-5;
-/// The triangles of a block with edge e are about e/2 wide; straddling a surface of curvature κ, they are κ(e/2)²/24
-/// off on average. Where they bend one way only it would be half of that, but simplification uses that up again: this
-/// much of it in the end.
+/// Triangles of a block with edge e are about e/2 wide. Straddling a surface of curvature κ, their mean error is
+/// κ(e/2)²/24. For a singly curved surface it would be half, but simplification consumes most of that gain;
+/// kOneWayShare is the measured factor.
 constexpr double kErrorShare = 1.0 / 96;
 constexpr double kOneWayShare = 0.7;
-/// Half its diagonal, and how far lattice vertices move (piece_cut.cpp), as shares of a block's edge.
+/// Half the block's diagonal plus the largest move of lattice vertices (piece_cut.cpp), over the block's edge.
 constexpr double kReachOfBlock = 0.8661 + 0.161;
-/// With more pieces than this a block is cut further, or with more planes (as many as are fast to cut); planes only
-/// down to this share of the root's edge: where many go through one point or line, smaller blocks have no fewer.
+/// Blocks with more pieces, or more planes (limited by the cost of cutting), are divided further; for planes only down
+/// to this fraction of the root's edge, because smaller blocks do not reduce the number of planes through one point or
+/// line.
 constexpr std::size_t kManyPieces = 16, kManyPlanes = 60;
 constexpr double kSmallestOfPlanes = 1.0 / 100;
-/// Down to what blocks are cut for pieces that come close to each other: what remains is below a float's resolution.
+/// Smallest block edge for pieces that approach each other: below, the resolution of float is reached.
 constexpr double kRoundingOfMesh = 1e-7;
 constexpr std::array<double, 3> kShift{0.3819, 0.2361, 0.4271};
-/// Where curved pieces are looked for before the size of the root is chosen: no deeper, and in no more blocks. So many
-/// sizes are compared; one larger than the usual has to be worth it.
+/// Survey of curved pieces that determines the root's size: deepest level, largest number of blocks, number of sizes
+/// compared, and the required ratio of blocks for a larger root.
 constexpr int kSurveyLevels = 4;
 constexpr std::size_t kSurveyBlocks = 8192;
 constexpr int kSizesOfRoot = 24;
 constexpr double kWorthALargerRoot = 0.9;
-/// Of the error and the bend that are accepted: usually blocks are smaller than they might be, here most are as large.
+/// Fraction of the accepted error and curvature: blocks are usually smaller than allowed, here most are as large as
+/// allowed.
 constexpr double kErrorOfLargest = 0.8;
 
 double error_share(const PieceExpression& field, std::uint32_t piece) {
@@ -54,11 +56,11 @@ struct Chooser {
     std::array<double, 9> value{};
     Vec3 gradient;
     bool bends = false;
-    std::vector<std::uint32_t> pieces;  ///< nodes that are pieces, of those below and itself
+    std::vector<std::uint32_t> pieces;  ///< nodes that are pieces, of its operands and itself
   };
 
-  /// Whether two sheets with their backs to each other come closer than they are straight. (Those that face the same
-  /// way are one sheet wherever both count.) Each counts where it is the value of its side, about.
+  /// Whether two sheets with opposite normals come closer than the deviation from linearity. (Sheets with equal normals
+  /// are one sheet wherever both count.) Each sheet counts where it approximately equals the value of its side.
   bool too_close(const Seen& a, const Seen& of_a, const Seen& b, const Seen& of_b, const std::array<Vec3, 9>& offset,
                  double edge) const {
     const double middle = a.value[0] + b.value[0];
@@ -86,7 +88,7 @@ struct Chooser {
       const double bend = field.bend(n.a, center, radius);
       curved = curved || bend > 0;
       bent = bent || bend * edge > kMostBend;
-      tiny = tiny || (bend * edge > kMostBend && std::isfinite(bend));  // a tip has no end
+      tiny = tiny || (bend * edge > kMostBend && std::isfinite(bend));  // a tip has unbounded curvature
       coarse = coarse || bend * edge * edge * error_share(field, n.a) > options.mesh_error;
     }
     if (options.cell > 0) {
@@ -129,7 +131,7 @@ struct Chooser {
             return Verdict::cut_if_allowed;
       now.pieces = a.pieces;
       now.pieces.insert(now.pieces.end(), b.pieces.begin(), b.pieces.end());
-      if (now.pieces.size() <= kManyPieces) continue;  // nodes may be parts of several others
+      if (now.pieces.size() <= kManyPieces) continue;  // nodes may be operands of several others
       std::sort(now.pieces.begin(), now.pieces.end());
       now.pieces.erase(std::unique(now.pieces.begin(), now.pieces.end()), now.pieces.end());
     }
@@ -137,7 +139,7 @@ struct Chooser {
   }
 };
 
-/// Pruned by what the values in the middle say of the block; false if nothing is left.
+/// Prunes the expression using the values at the block's centre; false if nothing is left.
 bool prune_block(const PieceExpression& field, const Vec3& center, double edge, std::span<const PieceNode> nodes,
                  std::vector<PieceNode>& left) {
   const double radius = kReachOfBlock * edge;
@@ -154,18 +156,18 @@ bool prune_block(const PieceExpression& field, const Vec3& center, double edge, 
 
 struct OpenBlock {
   std::uint32_t block;
-  std::uint32_t first, count;  ///< nodes of the block above, of the level before
+  std::uint32_t first, count;  ///< nodes of the parent block, on the previous level
 };
 
 constexpr std::size_t kChunkOfBlocks = 256;
 
 struct ChunkOfBlocks {
   std::vector<PieceNode> nodes;
-  std::vector<PieceBlocks::Leaf> met;  ///< nodes counted from the chunk's first
+  std::vector<PieceBlocks::Leaf> met;  ///< node indices relative to the chunk's first
   std::vector<std::uint8_t> verdict;
 };
 
-/// One level of the tree: what is left in each block, and `see(center, edge, nodes)` of it.
+/// One level of the tree: prunes the expression in each block and calls `see(center, edge, nodes)`.
 template <class See>
 std::vector<ChunkOfBlocks> look_at_level(const PieceExpression& field, const BlockTree& tree,
                                          const std::vector<OpenBlock>& open, const std::vector<PieceNode>& above,
@@ -190,8 +192,8 @@ std::vector<ChunkOfBlocks> look_at_level(const PieceExpression& field, const Blo
   return found;
 }
 
-/// Blocks halve from the root on, so that a piece gets blocks between as large as it allows and half of that. By how
-/// much the root has to be larger, 1..2, for the fewest blocks along all curved pieces.
+/// Blocks halve from the root on, so that a piece has blocks between the largest allowed size and half of it. Returns
+/// the factor of the root's size, 1..2, that minimises the number of blocks along all curved pieces.
 double best_root(const PieceExpression& field, const Vec3& lower, double edge, const PieceBlockOptions& options) {
   BlockTree tree(lower, edge);
   struct Allowed {
@@ -262,7 +264,7 @@ PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const Pi
   const double scale = edge;
   if (options.cell > 0) {
     edge = options.cell;
-    // Blocks are an eighth of the root or less, whatever the cell: values take part of its edge (piece_cut.cpp).
+    // At most an eighth of the root for any cell: values are quantised relative to its edge (piece_cut.cpp).
     while (edge < longest * 1.001 + 2 * options.cell || edge < 8 * options.cell) edge *= 2;
   } else {
     edge *= best_root(field, box.center() - Vec3{edge, edge, edge} * 0.5, edge, options);
@@ -307,7 +309,7 @@ PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const Pi
   }
   tree.balance();
 
-  // Again from the top, now that it is known which blocks are leaves.
+  // Second pass from the root, now that the leaves are known.
   std::vector<std::uint32_t> rank(tree.size(), 0);
   {
     const std::vector<std::uint32_t> leaves = tree.leaves();

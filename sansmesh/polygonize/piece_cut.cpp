@@ -22,38 +22,38 @@ using Wide = __int128;
 using NodeKind = PieceNode::Kind;
 
 constexpr std::uint32_t kNobody = CutPieces::kNone;
-/// Bits of the masks of pieces: of nearly all blocks, and of those where many pieces meet in one place. A plane of 1
-/// and the faces of the simplex are counted with the pieces in a byte.
+/// Bits of the masks of pieces: for nearly all blocks, and for those where many pieces meet. One byte indexes the
+/// pieces, a constant plane 1 and the faces of the simplex.
 constexpr std::size_t kUsualBits = 64, kManyBits = kMostPiecesInBlock + 1;
 static_assert(4 + kMostPiecesInBlock <= 255);
-/// Values are whole numbers of so many bits, in units of 2 to the minus that of the root block's edge. Twice as much as
-/// is needed: a piece that counts in a block is, at its corners, no farther from zero than twice as far as these are
-/// from its middle (slopes are 1 at most), which is a quarter of the root's edge, as blocks are an eighth of it or
-/// less; the last bit makes values odd.
+/// Values are integers of this many bits, in units of 2^−kValueBits of the root block's edge. This is twice the
+/// necessary range: slopes are at most 1 and blocks at most an eighth of the root, so a relevant piece is at a block's
+/// corners at most a quarter of the root's edge from zero; the last bit makes values odd.
 constexpr int kValueBits = 40;
 /// Three times the product of a value and a minor, which is the difference of two products of two values.
 constexpr int kWeightBits = 3 * kValueBits + 3;
 static_assert(kWeightBits + 2 < 127, "sums of four weights fit into 128 bits with a sign");
 static_assert(kWeightBits - 64 + kValueBits + 2 < 127 && 64 + kValueBits + 2 < 127, "so do those of sign_of_sum");
-/// Of more pieces than this in a simplex, those numbered beside a piece divide it first, since they often lie beside
-/// it; and what cannot be the surface any more is left out in between, each time that twice as many have been looked
-/// at.
+/// With more pieces than this in a simplex, pieces with neighbouring indices divide first, because they are often
+/// adjacent; parts that can no longer be surface are dropped in between, whenever the number of processed pieces
+/// doubles.
 constexpr std::size_t kDivideAll = 12;
 constexpr std::size_t kChunkOfLeaves = 512;
-/// Least distance of lattice vertices from the surface, as a share of the smallest block's edge; they move by up to
+/// Least distance of lattice vertices from the surface, as a fraction of the smallest block's edge; they move by up to
 /// twice that.
 constexpr double kStandBack = 0.08;
-/// Sheets so close to each other, as a share of the block's edge, are two sides of something thin, if the sum of their
-/// values changes by no more than a share within a cell: at right angles it changes by 0.7 of that edge at least.
+/// Two sheets closer than this fraction of the block's edge are two sides of a thin part if the sum of their values
+/// changes by at most the second fraction within a cell: for perpendicular sheets it changes by at least 0.7 of that
+/// edge.
 constexpr double kOtherSide = 0.6, kOtherSideTurns = 0.5;
-/// Cosine between two sheets up to which they are back to back, or face to face.
+/// Cosine between two sheets below which they are back to back, or face to face.
 constexpr double kFacing = -0.8;
 
-/// What a vertex is called in all simplices that have it: on an edge of the lattice the ends and the piece; in a face
-/// the corners and two pieces; within a simplex its number and what meets there.
+/// Identifies a vertex in all simplices that share it: on a lattice edge by its ends and the piece; in a face by its
+/// corners and two pieces; inside a simplex by the simplex and the pieces.
 using Name = std::array<std::uint32_t, 6>;
 
-/// From names to numbers, in the order of their first use.
+/// Maps names to indices in order of first use.
 class NameTable {
  public:
   std::uint32_t number(const Name& name) {
@@ -108,8 +108,8 @@ struct ChunkOfCuts {
   std::optional<Vec3> cracked;
 };
 
-/// A polygon in the plane of a piece, as the planes along its edges; vertex i lies between edges i − 1 and i. Planes 0
-/// to 3 are the faces of the simplex opposite to its vertices, then come pieces.
+/// A polygon in the plane of a piece, given by the planes of its edges; vertex i is between edges i − 1 and i. Planes 0
+/// to 3 are the faces of the simplex opposite to its vertices, followed by pieces.
 template <class Mask>
 struct Cell {
   std::vector<std::uint8_t> edge;
@@ -117,7 +117,7 @@ struct Cell {
 };
 
 constexpr std::array<std::array<std::uint8_t, 4>, 4> kLone{{{0, 1, 2, 3}, {1, 0, 3, 2}, {2, 3, 0, 1}, {3, 2, 1, 0}}};
-/// By the set of negative vertices, if these are two: they come first, in an even permutation.
+/// Even permutation for a set of two negative vertices, which come first.
 constexpr std::array<std::uint8_t, 4> two_and_two(unsigned negative) {
   switch (negative) {
     case 0b0011:
@@ -135,14 +135,15 @@ constexpr std::array<std::uint8_t, 4> two_and_two(unsigned negative) {
   }
 }
 
-/// What the surface is in a cell, an eighth of a block: nothing, one piece, or more.
+/// Surface in a cell (an eighth of a block): none, a single piece, or several pieces.
 enum class CellState : std::uint8_t { empty, single, several };
-/// Of all cells of a block, two bits each.
+/// For all cells of a block, two bits each.
 using CellStates = std::uint16_t;
 constexpr CellStates kAllSeveral = 0xaaaa;
 CellState state_of(CellStates all, std::size_t cell) { return static_cast<CellState>(all >> (2 * cell) & 3u); }
 
-/// Blocks without finer ones beside them: slots by position on the grid of half edges, and the cell of each simplex.
+/// Pattern of blocks without finer neighbours: slots by position on the grid of half edges, and the cell of each
+/// simplex.
 struct PlainPattern {
   static constexpr std::size_t kSlots = 27;
   const BlockPattern* pattern;
@@ -165,7 +166,7 @@ struct PlainPattern {
       cell_of_tet.push_back(static_cast<std::uint8_t>(cell));
     }
   }
-  /// Of corner c of a cell.
+  /// Slot of corner c of a cell.
   std::size_t corner(std::size_t cell, std::size_t c) const {
     std::size_t at = 0, step = 1;
     for (std::size_t k = 0; k < 3; ++k, step *= 3) at += ((cell >> k & 1u) + (c >> k & 1u)) * step;
@@ -173,7 +174,7 @@ struct PlainPattern {
   }
 };
 
-/// One block at a time, with less than `Bits` pieces.
+/// Cuts blocks with fewer than `Bits` pieces, one at a time.
 template <std::size_t Bits>
 class Cutter {
  public:
@@ -187,7 +188,7 @@ class Cutter {
         plain_(plain),
         out_(out) {}
 
-  /// What is in the cells of a block.
+  /// State of the cells of a block.
   CellStates look(std::size_t leaf, const BlockPattern& pattern, std::span<const Vec3> x) {
     if (&pattern != plain_.pattern) return kAllSeveral;
     if (!load(leaf, pattern, x)) return kAllSeveral;
@@ -202,8 +203,8 @@ class Cutter {
     return states;
   }
 
-  /// `beside`: the cells of the blocks that share a face (2·axis + side).
-  /// False if the block has too many pieces: then nothing is done.
+  /// `beside`: the cells of the blocks that share a face (2·axis + side). Returns false, without effect, if the block
+  /// has too many pieces.
   bool cut(std::size_t leaf, const BlockPattern& pattern, std::span<const std::uint32_t> numbers,
            std::span<const Vec3> x, CellStates own, const std::array<CellStates, 6>& beside) {
     if (own == 0) return true;
@@ -227,7 +228,7 @@ class Cutter {
   }
 
  private:
-  /// Nodes, pieces and values of a block; false if these are too many pieces.
+  /// Loads nodes, pieces and values of a block; false if there are too many pieces.
   bool load(std::size_t leaf, const BlockPattern& pattern, std::span<const Vec3> x) {
     const PieceBlocks::Leaf& l = blocks_.leaves[leaf];
     nodes_.assign(blocks_.nodes.begin() + l.first, blocks_.nodes.begin() + l.first + l.count);
@@ -267,7 +268,7 @@ class Cutter {
                     x.x, x.y, x.z));
   }
 
-  /// What is left of the expression where pieces are negative at all or any corners.
+  /// Reduces the expression, given the pieces that are negative at all or at any corners.
   KnownSign reduce(const Mask& all, const Mask& any) {
     left_.clear();
     return prune(
@@ -295,8 +296,8 @@ class Cutter {
     return CellState::single;
   }
 
-  /// Whether a sheet faces the piece's, or is back to back with it, close by: simplices divide both in the same way, so
-  /// that what lies between keeps its thickness.
+  /// Whether another sheet is close by and face to face or back to back with the piece's: simplices then divide both in
+  /// the same way, so that the part between keeps its thickness.
   bool has_other_side(std::size_t cell, std::size_t piece, double edge) const {
     for (std::size_t q = 0; q < pieces_.size(); ++q) {
       if (q == piece) continue;
@@ -311,7 +312,7 @@ class Cutter {
     return false;
   }
 
-  /// A cell with one piece: no simplices are needed, except where it meets cells that need them.
+  /// A cell with one piece: simplices are needed only at faces shared with cells that use them.
   void cut_cell(std::size_t cell, CellStates own, const std::array<CellStates, 6>& beside) {
     std::size_t piece = 0;
     look_at(cell, piece);
@@ -342,7 +343,7 @@ class Cutter {
     }
   }
 
-  /// In place of a piece: 1 everywhere.
+  /// Index of a constant 1 in place of a piece.
   static constexpr std::size_t kOnes = Bits - 1;
   std::int64_t value(std::size_t piece, std::size_t corner) const {
     return piece == kOnes ? 1 : values_[piece * slots_ + tet_[corner]];
@@ -359,7 +360,7 @@ class Cutter {
 
   std::uint32_t on_edge(std::size_t piece, std::size_t i, std::size_t j) { return between(piece, tet_[i], tet_[j]); }
 
-  /// Where the piece vanishes between two slots.
+  /// Vertex where the piece vanishes between two slots.
   std::uint32_t between(std::size_t piece, std::size_t i, std::size_t j) {
     if (numbers_[i] > numbers_[j]) std::swap(i, j);
     const std::array<Vec3, 2> ends{x_[i], x_[j]};
@@ -384,8 +385,8 @@ class Cutter {
     for (std::size_t q = 0; q < pieces_.size(); ++q) {
       if (q == piece) continue;
       field_.evaluate_piece(pieces_[q], {&x, 1}, {&value, 1}, {&other, 1});
-      // The point is not on its piece yet: what is thin is as wide as the sum says. Two flat ones stay apart however
-      // few triangles they have.
+      // The point is not exactly on its piece yet: the sum of both values is the thickness. Two flat sheets stay apart
+      // with any triangles.
       const double gap = std::abs(own + value);
       if (gap >= room || dot(normal, other) > kFacing * norm(normal) * norm(other)) continue;
       if (field_.bend(pieces_[piece], x, 0) > 0 || field_.bend(pieces_[q], x, 0) > 0) room = gap;
@@ -404,8 +405,7 @@ class Cutter {
     return n;
   }
 
-  /// The edges of the lattice that the polygon's vertices lie on, in its order; its normal points to where the piece is
-  /// positive.
+  /// Lattice edges of the polygon's vertices, in order; its normal is towards positive values.
   std::size_t polygon(std::size_t piece, std::array<std::array<std::uint8_t, 2>, 4>& ends) const {
     unsigned negative = 0;
     int count = 0;
@@ -435,8 +435,8 @@ class Cutter {
     emit(piece);
   }
 
-  /// The corners as triangles. From a corner that depends on the lattice first, so that sheets beside each other are
-  /// divided in the same way.
+  /// Triangulates the corners. Starts from a corner determined by the lattice, so that adjacent sheets are divided in
+  /// the same way.
   void emit(std::size_t piece) {
     const std::size_t n = corners_.size();
     std::size_t first = 0;
@@ -454,7 +454,7 @@ class Cutter {
   // ---- Several pieces -------------------------------------------------------------------------------------------
 
   struct Corner {
-    std::uint8_t a, b;  ///< two planes beside that of the piece, in ascending order
+    std::uint8_t a, b;  ///< two planes besides that of the piece, in ascending order
   };
   static Corner corner_of(const Cell<Mask>& cell, std::size_t i) {
     const std::uint8_t p = cell.edge[(i + cell.edge.size() - 1) % cell.edge.size()], q = cell.edge[i];
@@ -507,8 +507,8 @@ class Cutter {
     return sign_of_sum(w, {value(g, 0), value(g, 1), value(g, 2), value(g, 3)});
   }
 
-  /// The sign of piece g at a corner of piece h. Where that is 0, all pieces are larger by something too small to be
-  /// written down, and much larger for those of higher numbers (Edelsbrunner & Mücke 1990, "Simulation of simplicity").
+  /// The sign of piece g at a corner of piece h. Where it is 0, all pieces are infinitesimally larger, those of higher
+  /// index by a larger order (edelsbrunner1990, simulation of simplicity).
   int sign_at(std::size_t g, std::size_t h, const Corner& c) const {
     const std::array<Wide, 4> w = weights(h, c);
     const int all = sign_of(w[0] + w[1] + w[2] + w[3]);
@@ -545,7 +545,8 @@ class Cutter {
   bool is_surface(std::size_t piece, Mask negative) {
     return inside(negative.set(piece)) && !inside(negative.reset(piece));
   }
-  /// Whether it may be, where only the signs of `known` are decided: inside can only become more with what is negative.
+  /// Whether it may be the surface if only the signs in `known` are decided: the inside only grows with the negative
+  /// set.
   bool may_be_surface(std::size_t piece, const Mask& negative, const Mask& known) {
     Mask most = negative | ~known, least = negative & known;
     return inside(most.set(piece)) && !inside(least.reset(piece));
@@ -570,7 +571,7 @@ class Cutter {
       std::sort(v.begin(), v.end());
       name = {v[0], v[1], v[2], p[0], p[1], kNobody};
     } else if (c.a < 4) {
-      name = {kNobody, id_, c.a, p[0], p[1], pieces_[h]};  // one for each piece that it is on
+      name = {kNobody, id_, c.a, p[0], p[1], pieces_[h]};  // one for each of its pieces
     } else {
       name = {kNobody, id_, kNobody, p[0], p[1], p[2]};
     }
@@ -605,7 +606,7 @@ class Cutter {
     }
   }
 
-  /// As by each of the others, but soon left with little.
+  /// As division by each of the others, but ordered so that few cells remain early.
   void divide_by_many(std::size_t h) {
     order_ = used_;
     const auto apart = [&](std::size_t g) { return g > h ? 2 * (g - h) : 2 * (h - g) + 1; };
@@ -628,7 +629,7 @@ class Cutter {
     Cell<Mask> cell;
     for (std::size_t k = 0; k < n; ++k) {
       const auto &a = ends[k], &b = ends[(k + 1) % n];
-      std::uint8_t plane = 0;  // the face that both edges lie in: opposite to the vertex that neither has
+      std::uint8_t plane = 0;  // face of both edges: opposite to the vertex that neither has
       while (plane == a[0] || plane == a[1] || plane == b[0] || plane == b[1]) ++plane;
       cell.edge.push_back(plane);
     }
@@ -665,13 +666,13 @@ class Cutter {
     }
   }
 
-  /// Whether a corner in a face of the simplex is a corner of the surface seen from both sides of the face: not where
-  /// a plane crosses that is no part of it there. `negative`: of a cell beside it.
+  /// Whether a corner in a face of the simplex is a surface corner seen from both sides of the face; false where a
+  /// plane crosses the face without being surface there. `negative`: mask of an adjacent cell.
   bool shared_corner(std::size_t h, const Corner& c, Mask negative) {
     return c.b < 4 || c.a >= 4 || !is_surface(h, negative.flip(c.b - 4u));
   }
 
-  /// The cells that are left, as triangles.
+  /// Triangulates the remaining cells.
   void surface(std::size_t h) {
     struct Side {  // along a face
       std::uint32_t from, to;
@@ -697,7 +698,7 @@ class Cutter {
           sides.push_back({number[i], number[(i + 1) % n], cell.edge[i], shared[i] != 0, shared[(i + 1) % n] != 0});
     }
     if (!odd) return;
-    // Seen from the other side of a face, several sides may be one: what lies between is a polygon without area.
+    // Seen from the other side of a face, several sides may be one: the region between is a polygon without area.
     std::vector<Side> next_of = sides;
     const auto before = [](const Side& a, const Side& b) {
       return std::pair(a.face, a.from) < std::pair(b.face, b.from);
@@ -725,14 +726,14 @@ class Cutter {
 
   const PieceExpression& field_;
   const PieceBlocks& blocks_;
-  double quantum_, largest_;  ///< of values: their unit, and what they must stay below
+  double quantum_, largest_;  ///< unit and upper limit of values
   const PlainPattern& plain_;
   ChunkOfCuts& out_;
-  std::vector<PieceNode> nodes_, left_;  ///< of the block and of the simplex; pieces as numbers in `pieces_`
+  std::vector<PieceNode> nodes_, left_;  ///< of the block and of the simplex; pieces are indices into `pieces_`
   std::vector<std::uint32_t> pieces_;
   std::vector<std::int64_t> values_;  ///< by piece and slot
   std::vector<double> found_;
-  std::vector<Mask> negative_;  ///< pieces, by slot
+  std::vector<Mask> negative_;  ///< negative pieces, per slot
   std::size_t slots_ = 0;
   std::span<const Vec3> x_;
   std::span<const std::uint32_t> numbers_;
@@ -749,8 +750,8 @@ class Cutter {
   std::vector<std::uint8_t> state_;
 };
 
-/// Where a lattice vertex goes that would be closer to a sheet than `least`, or between two that are closer to each
-/// other than that: along the normal to where all of them are on one side.
+/// New position of a lattice vertex that is closer to a sheet than `least`, or between two sheets closer to each other
+/// than that: moved along the normal until all of them are on one side.
 Vec3 stand_back(const PieceExpression& field, std::span<const PieceNode> nodes, const Vec3& x, double least) {
   struct Sheet {
     double value;
@@ -786,8 +787,8 @@ Vec3 stand_back(const PieceExpression& field, std::span<const PieceNode> nodes, 
   return std::abs(by) <= 2 * least ? x + normal * by : x;
 }
 
-/// Where the lattice vertices are: none so close to a sheet that it would cut off tiny corners, or so that the two
-/// sheets of a thin wall would lie on different sides of it and be divided in different ways.
+/// Positions of the lattice vertices: none so close to a sheet that tiny corners are cut off, and none inside a thin
+/// wall, whose two sheets would be divided in different ways.
 std::vector<Vec3> lattice_places(const PieceExpression& field, const PieceBlocks& blocks,
                                  const std::vector<std::uint32_t>& numbers, const std::vector<std::size_t>& first,
                                  const std::vector<LatticePoint>& points) {
@@ -814,7 +815,7 @@ std::vector<Vec3> lattice_places(const PieceExpression& field, const PieceBlocks
   return place;
 }
 
-/// Where another sheet crosses the same edge of the lattice.
+/// Distances to other sheets that cross the same lattice edge.
 void find_room(CutPieces& cut, const std::vector<Name>& names) {
   std::vector<KeyIndex> on_edges;
   for (std::uint32_t v = 0; v < names.size(); ++v)
@@ -870,7 +871,7 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
   const double quantum = std::ldexp(blocks.scale, -kValueBits);
   const PlainPattern plain(patterns.pattern({}));
   std::vector<ChunkOfCuts> found(chunks);
-  /// For the leaves of a chunk, with their numbers and places.
+  /// Visits the leaves of a chunk with their vertex indices and positions.
   const auto for_leaves = [&](std::size_t c, auto&& leaf) {
     Cutter<kUsualBits> cutter(field, blocks, quantum, plain, found[c]);
     std::vector<Vec3> x;
@@ -889,7 +890,7 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
   });
   std::vector<std::uint32_t> leaf_of(tree.size(), kNobody);
   for (std::uint32_t i = 0; i < n; ++i) leaf_of[blocks.leaves[i].block] = i;
-  /// Of the block beside it: none where there is no surface, all where it has another size.
+  /// Cells of the block beside it: none where there is no surface, all where it has another size.
   const auto cells_beside = [&](std::size_t i, std::size_t face) -> CellStates {
     const BlockTree::Block& b = tree[blocks.leaves[i].block];
     std::array<std::int64_t, 3> at{b.cell[0], b.cell[1], b.cell[2]};
@@ -930,7 +931,7 @@ CutPieces cut_pieces(const PieceExpression& field, const PieceBlocks& blocks, Pr
       vertex.x = c.x[v];
       vertex.size = c.size[v];
       vertex.room = c.room[v];
-      // A corner within a face that belongs to one simplex alone lies on its piece only.
+      // A corner inside a face that belongs to one simplex alone is only on its piece.
       const bool alone = name[0] == kNobody && name[2] != kNobody;
       vertex.piece = alone ? std::array{name[5], kNobody, kNobody} : std::array{name[3], name[4], name[5]};
       cut.vertices.push_back(vertex);

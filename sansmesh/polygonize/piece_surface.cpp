@@ -27,35 +27,35 @@ namespace {
 constexpr std::uint32_t kNoPiece = CutPieces::kNone;
 constexpr std::array<double, 4> kTries{0, 0.137, 0.291, 0.613};
 constexpr int kNewtonSteps = 8;
-/// How far vertices may go to their pieces, as a share of the edge of the blocks: on one piece, and where several meet.
+/// Largest move of vertices to their pieces, over the edge of the blocks: for one piece, and where several meet.
 constexpr double kReachOfOne = 0.3, kReachOfSeveral = 0.6;
-/// Squared sine between two pieces, and determinant of three, below which they have no crease or corner to go to.
+/// Squared sine between two pieces, and determinant of three, below which no crease or corner is sought.
 constexpr double kNoCrease = 1e-7, kNoCorner = 1e-5;
-/// Merges: up to so far, as a share of the blocks' edge; out of planes by so much of the error of simplification.
+/// Largest distance of collapses over the blocks' edge; largest deviation from planes over the simplification error.
 constexpr double kNear = 0.22, kFlatShare = 0.1;
 constexpr double kNothing = 1e-7, kRounding = 1e-10;
-/// Sheets closer to each other than so many mesh errors keep their distance by having no more than a share of it as
-/// error.
+/// Sheets closer to each other than kRoomToBalance mesh errors keep their distance: their error is limited to a
+/// fraction of it.
 constexpr double kShareOfRoom = 0.2, kFlatShareOfRoom = 1e-3;
 constexpr double kRoomToBalance = 10;
-/// How far edges go through triangles for the mesh to count as going through itself, as a share of the box.
+/// Depth of intersection, over the box's size, from which the mesh counts as self-intersecting.
 constexpr double kCrossing = 1e-7;
 constexpr int kMostTakeBacks = 6;
-/// So often the mesh is simplified, with more left as it was cut out where it went through itself; then not at all.
+/// Number of simplifications, each keeping more of the mesh unsimplified where it intersected itself; then none.
 constexpr int kMostSimplifications = 4;
-/// So often only the places concerned are taken back before that, a ring wider each time.
+/// Number of local restorations before that, each a ring wider.
 constexpr int kMostRestored = 5;
-/// What is left as it was: around crossing triangles, so many of their radii the first time, and more each time.
+/// Radius of the unsimplified region around intersecting triangles in triangle radii, and its increase per attempt.
 constexpr float kNarrow = 0.2f;
 constexpr double kKeptRadius = 1.2, kKeptMore = 0.8;
-/// Error of simplification as a share of the radius of curvature, at most.
+/// Largest simplification error over the radius of curvature.
 constexpr double kShareOfRadius = 0.004;
 constexpr double kLeastShapeOfPieces = 0.25;
 
 using Crossings = std::vector<std::array<std::uint32_t, 2>>;
 using PieceTriple = std::array<std::uint32_t, 3>;
 
-/// Newton's method, with the shortest steps, from x to where all of the pieces vanish.
+/// Newton's method with minimum-norm steps from x to a common zero of the pieces.
 bool go_to_pieces(const PieceExpression& field, const PieceTriple& piece, double reach, double precision, Vec3& x) {
   std::size_t n = 0;
   while (n < 3 && piece[n] != kNoPiece) ++n;
@@ -100,7 +100,7 @@ class PieceMesher {
 
   CutPieces mesh;
 
-  /// Triangles on blends that are one of their pieces there belong to that.
+  /// Triangles on a blend that equals one of its pieces there are assigned to that piece.
   void name_pieces() {
     bool any = false;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -113,8 +113,8 @@ class PieceMesher {
     if (any) recall();
   }
 
-  /// Vertices of triangles that go through others back to where they were before they were placed: of those triangles
-  /// that `near` says, or of all.
+  /// Moves vertices of intersecting triangles back to their positions before placement; only triangles marked by
+  /// `near`, or all.
   void take_back(const CutPieces& linear, const Vec3& origin, double tolerance, const std::vector<std::uint8_t>* near) {
     for (int round = 0; round < kMostTakeBacks; ++round) {
       const TriangleMesh part = as_mesh(origin, near);
@@ -135,15 +135,14 @@ class PieceMesher {
     }
   }
 
-  /// Vertices with another sheet beside them: there vertices on their pieces may be beyond it.
+  /// Vertices close to another sheet, where placement may move a vertex beyond that sheet.
   std::vector<std::uint8_t> narrow() const {
     std::vector<std::uint8_t> all(mesh.vertices.size());
     for (std::size_t v = 0; v < all.size(); ++v) all[v] = mesh.vertices[v].room < kNarrow * mesh.vertices[v].size;
     return all;
   }
 
-  /// No room for changes next to triangles of another mesh of the same surface that go through each other; which
-  /// vertices these are.
+  /// Forbids changes next to intersecting triangles of another mesh of the same surface; returns those vertices.
   std::vector<std::uint8_t> keep_around(const TriangleMesh& other, const Crossings& crossing, double factor) {
     struct Ball {
       Vec3 middle;
@@ -172,7 +171,7 @@ class PieceMesher {
     return kept;
   }
 
-  /// With the triangles that have one of the vertices `near`, or all.
+  /// Mesh of the triangles that have one of the vertices `near`, or of all.
   TriangleMesh as_mesh(const Vec3& origin, const std::vector<std::uint8_t>* near) const {
     TriangleMesh plain;
     plain.origin = origin;
@@ -202,9 +201,9 @@ class PieceMesher {
     place_again();
   }
 
-  /// Takes improvements back around triangles that go through each other, and only there: what vertices `rings` around
-  /// those were merged from is as in `placed` again, and what is so already, as in `linear`. The rest stays:
-  /// improvements merge vertices, so the mesh is that of `placed` with the vertices that are one written as one.
+  /// Undoes improvements around intersecting triangles only. Vertices within `rings` of the originals of these
+  /// triangles return to their state in `placed`, or if already there, in `linear`. The rest keeps its improvements: as
+  /// these merge vertices, the mesh is that of `placed` with merged vertices identified.
   void restore(const Crossings& crossing, const CutPieces& placed, const CutPieces& linear, int rings) {
     std::vector<std::uint32_t> parts(mesh.vertices.size(), 0);
     for (const std::uint32_t v : becomes_)
@@ -249,7 +248,7 @@ class PieceMesher {
     mesh = std::move(mixed);
   }
 
-  /// Balanced where there is room.
+  /// Balances the mesh where there is room.
   TriangleMesh finished(const Vec3& origin, bool careful) {
     PieceMesh pieces;
     pieces.triangles = mesh.triangles;
@@ -281,19 +280,19 @@ class PieceMesher {
     return piece_normals(field_, pieces);
   }
 
-  /// Each vertex onto its pieces.
+  /// Moves each vertex onto its pieces.
   void place() {
     parallel_for(0, mesh.vertices.size(), 1024, [&](std::size_t i) {
       CutPieces::Vertex& v = mesh.vertices[i];
       const double size = static_cast<double>(v.size), precision = 1e-11 * scale_;
       const bool several = v.rank() > 1;
       if (go_to_pieces(field_, v.piece, (several ? kReachOfSeveral : kReachOfOne) * size, precision, v.x)) return;
-      // Where pieces are tangent there is no crease: on the first of them at least.
+      // Tangent pieces have no crease: use the first of them.
       if (several) go_to_pieces(field_, {v.piece[0], kNoPiece, kNoPiece}, kReachOfOne * size, precision, v.x);
     });
   }
 
-  /// Where the piece of each triangle points in its middle; and how far from it that is, if asked for.
+  /// Normal of each triangle's piece at its centroid and, on request, the distance to it.
   std::vector<Vec3> normals_of_triangles(std::vector<double>* distance = nullptr) const {
     std::vector<Vec3> normal(mesh.triangles.size());
     if (distance) distance->resize(normal.size());
@@ -308,7 +307,7 @@ class PieceMesher {
     return normal;
   }
 
-  /// Vertices know of sheets beside their neighbours, too.
+  /// Propagates the distance of other sheets to neighbouring vertices.
   void spread_room() {
     for (int ring = 0; ring < 2; ++ring) {
       std::vector<float> room(mesh.vertices.size(), std::numeric_limits<float>::infinity());
@@ -320,7 +319,7 @@ class PieceMesher {
     }
   }
 
-  /// The pieces of vertices from those of the triangles around.
+  /// The pieces of vertices from those of the surrounding triangles.
   void recall() {
     const VertexCorners corners(mesh.triangles, mesh.vertices.size());
     parallel_for(0, mesh.vertices.size(), 1024, [&](std::size_t v) {
@@ -332,7 +331,7 @@ class PieceMesher {
         std::copy(set.begin(), set.end(), mesh.vertices[v].piece.begin());
         return;
       }
-      // Those that span the most.
+      // Selects those that span the largest volume.
       std::array<Vec3, PieceSet::kMost> g;
       for (std::size_t k = 0; k < set.count; ++k) {
         double f = 0;
@@ -348,7 +347,7 @@ class PieceMesher {
     });
   }
 
-  /// The largest of its pieces.
+  /// Largest curvature of its pieces.
   double bend_of(const CutPieces::Vertex& v) const {
     double bend = 0;
     for (std::uint32_t k = 0; k < v.rank(); ++k) bend = std::max(bend, field_.bend(v.piece[k], v.x, 0));
@@ -365,7 +364,7 @@ class PieceMesher {
       plain.vertices[v] = Vec3f(mesh.vertices[v].x - origin);
       limits[v] = static_cast<float>(kShareOfRoom) * mesh.vertices[v].room;
       if (options_.triangles > 0) continue;
-      // What is thin keeps its shape, too, and what is flat besides nearly all of it, unless a number was asked for.
+      // Thin parts keep their shape, and flat thin parts almost exactly, unless a number of triangles was requested.
       const double bend = bend_of(mesh.vertices[v]);
       const double most =
           bend > 0 ? kShareOfRadius / bend
@@ -398,7 +397,7 @@ class PieceMesher {
     for (std::size_t t = 0; t < room.size(); ++t)
       for (const std::uint32_t v : mesh.triangles[t]) mesh.vertices[v].room = std::min(mesh.vertices[v].room, room[t]);
     recall();
-    // How far each may go back is less than its shortest edge, and than a share of its triangles' heights.
+    // Limits each move to less than the shortest edge, and to a fraction of the triangles' heights.
     std::vector<float> shortest(mesh.vertices.size(), std::numeric_limits<float>::max());
     for (const Triangle& t : mesh.triangles)
       for (std::size_t k = 0; k < 3; ++k) {
@@ -413,7 +412,7 @@ class PieceMesher {
     std::vector<Vec3> before(mesh.vertices.size());
     for (std::size_t v = 0; v < before.size(); ++v) before[v] = mesh.vertices[v].x;
     place();
-    // What was left as it was has been taken back from its pieces where it went through itself.
+    // Restored vertices were moved off their pieces where the mesh intersected itself.
     for (std::size_t v = 0; v < before.size(); ++v)
       if (mesh.vertices[v].room == 0) mesh.vertices[v].x = before[v];
     std::vector<std::uint8_t> back(before.size());
@@ -437,7 +436,7 @@ class PieceMesher {
   const PieceSurfaceOptions& options_;
   double scale_;
   std::vector<std::uint32_t>
-      becomes_;  ///< by vertex before improvements: its number in the mesh, or that of what it is part of
+      becomes_;  ///< per vertex before improvements: its index in the mesh, or that of the vertex that absorbed it
 };
 
 template <class At>
@@ -475,7 +474,7 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
     report.unresolved = blocks.unresolved;
     mesher.mesh = cut_pieces(field, blocks, progress);
     if (!mesher.mesh.crowded && !mesher.mesh.cracked && closed(mesher.mesh)) break;
-    if (const std::optional<Vec3>& at = mesher.mesh.crowded)  // that is so with other lattice points, too
+    if (const std::optional<Vec3>& at = mesher.mesh.crowded)  // independent of the lattice points
       throw DataError(
           fmt::format("more than {} faces meet in one place, near ({:.4g}, {:.4g}, {:.4g}): cut that place "
                       "off, or make it of fewer faces or a cone{}",
@@ -494,7 +493,7 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
   progress.begin("place vertices");
   mesher.spread_room();
   mesher.name_pieces();
-  const CutPieces linear = mesh;  // goes nowhere through itself
+  const CutPieces linear = mesh;  // free of self-intersections
   mesher.place();
   {
     const std::vector<std::uint8_t> narrow = mesher.narrow();
@@ -514,7 +513,7 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
       TriangleMesh mixed;
       for (int rings = 0; rings < kMostRestored && !left.empty(); ++rings) {
         mesher.restore(left, placed, linear, rings);
-        if (!closed(mesh)) break;  // what two others kept apart may be one place now
+        if (!closed(mesh)) break;  // merging may have joined two regions that other vertices kept apart
         mixed = mesher.finished(origin, true);
         left = self_intersections(mixed, kCrossing * scale);
       }
@@ -530,7 +529,7 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
           "mesh error than {:.2g}",
           crossing.size(), at.x, at.y, at.z, options.mesh_error));
     }
-    // As it was before improvements, free of intersections, and left as it is near those that were found.
+    // Return to the mesh before improvements, free of intersections, and keep it unimproved near those found.
     mesh = placed;
     const std::vector<std::uint8_t> kept = mesher.keep_around(result, crossing, kKeptRadius + kKeptMore * attempt);
     mesher.take_back(linear, origin, kCrossing * scale, attempt + 1 < kMostSimplifications ? &kept : nullptr);

@@ -22,7 +22,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Layers of blocks around a region within which it shows that the mesh ends there.
+/// Layers of blocks around a region in which the border of the mesh is noticeable.
 constexpr int kLayers = 4;
 
 /// A block whose simplices may cross the surface.
@@ -36,16 +36,18 @@ struct Extraction {
   const ScalarField& field;
   BlockTree tree;
   Vec3 origin;
-  std::vector<Box3> regions = {};                ///< only blocks that meet one, and kLayers around them; none: all
-  std::vector<std::uint8_t> beyond_domain = {};  ///< of each block; empty: none is
-  LatticeNumbering numbering = {};               ///< while the surface is followed
+  std::vector<Box3> regions =
+      {};  ///< restricts to blocks that meet one, and kLayers around them; empty: no restriction
+  std::vector<std::uint8_t> beyond_domain = {};  ///< per block; empty: none is
+  LatticeNumbering numbering = {};               ///< used while the surface is followed
   PatternTable patterns = {};
   std::vector<ActiveBlock> active = {};
   std::vector<std::uint32_t> numbers = {};
-  std::vector<LatticePoint> points = {};  ///< of each lattice vertex, once the surface has been followed
+  std::vector<LatticePoint> points = {};  ///< per lattice vertex, once the surface has been followed
   /// Field at each lattice vertex; positive on the cube's faces, which closes the mesh.
   std::vector<float> values = {};
-  std::vector<Vec3f> moved = {};        ///< of each lattice vertex, relative to origin, where there is a displacement
+  std::vector<Vec3f> moved =
+      {};  ///< displaced position per lattice vertex, relative to origin; empty without displacement
   std::vector<std::uint8_t> caps = {};  ///< lattice vertices on the cube's faces where the field is negative
 
   Vec3 world(const LatticePoint& p) const {
@@ -53,15 +55,15 @@ struct Extraction {
     return tree.lower() + Vec3{p[0] * unit, p[1] * unit, p[2] * unit};
   }
 
-  /// Of a lattice vertex, relative to origin.
+  /// Position of a lattice vertex relative to origin.
   Vec3f position(std::uint32_t number) const {
     return moved.empty() ? Vec3f(world(points[number]) - origin) : moved[number];
   }
 
-  /// Their lattice vertices get numbers in the order of the blocks, and of the slots of each.
+  /// Numbers the blocks' lattice vertices in the order of the blocks, and of the slots of each.
   void add_blocks(const std::vector<std::uint32_t>& blocks) {
-    // Chunks of blocks number their own vertices first, at the same time: what is left to be done in order is each
-    // chunk's vertices once instead of once for every block around them.
+    // Chunks of blocks first number their own vertices in parallel. The sequential part then processes each vertex once
+    // per chunk instead of once per adjacent block.
     constexpr std::size_t kChunk = 2048;
     const std::size_t old = active.size(), chunks = (blocks.size() + kChunk - 1) / kChunk;
     std::vector<BlockRefinement> refinement(blocks.size());
@@ -104,9 +106,9 @@ struct Extraction {
     });
   }
 
-  /// The surface is followed from many places at a time, so that numbers and blocks lie scattered. Puts the blocks that
-  /// it crosses into the tree's order, along a curve that fills space, and numbers their lattice vertices anew in the
-  /// order of these: what is near is then near in memory, in all that is made of them, too.
+  /// The surface is followed from many places concurrently, which scatters numbers and blocks. Sorts the crossed blocks
+  /// into the tree's order, along a space-filling curve, and renumbers their lattice vertices in that order: neighbours
+  /// in space become neighbours in memory, also in all derived data.
   void put_in_order() {
     constexpr std::size_t kChunk = 1024;
     constexpr std::uint32_t kNone = ~std::uint32_t{0};
@@ -115,7 +117,7 @@ struct Extraction {
       if (crosses(active[i])) at[active[i].block] = static_cast<std::uint32_t>(i);
     });
     std::vector<ActiveBlock> ordered;
-    std::vector<std::size_t> from;  // where its numbers were
+    std::vector<std::size_t> from;  // previous offset of its numbers
     std::size_t end = 0;
     for (const std::uint32_t b : tree.leaves()) {
       if (at[b] == kNone) continue;
@@ -127,7 +129,7 @@ struct Extraction {
     at = {};
     active = std::move(ordered);
 
-    // Each vertex belongs to the first chunk that has it, which numbers its own in the order in which it meets them.
+    // Each vertex belongs to the first chunk that has it; chunks number their vertices in order of occurrence.
     const std::size_t n = values.size(), chunks = (active.size() + kChunk - 1) / kChunk;
     const auto each_number = [&](std::size_t c, auto&& visit) {
       for (std::size_t i = c * kChunk; i < std::min(active.size(), (c + 1) * kChunk); ++i)
@@ -181,7 +183,7 @@ struct Extraction {
 
   /// Evaluates the field at the lattice vertices numbered since the last call.
   void evaluate_new() {
-    constexpr std::size_t kBatch = std::size_t{1} << 20;  // not all places at a time: they are large
+    constexpr std::size_t kBatch = std::size_t{1} << 20;  // limits memory
     const std::size_t n = numbering.points().size();
     std::size_t done = values.size();
     values.resize(n);
@@ -209,7 +211,7 @@ struct Extraction {
   }
 
   /// Activates the blocks at the seeds (without seeds, those with a small value at their centre), and from there across
-  /// every face on which the sign changes, so that no simplex of the surface is missed once its neighbour is found.
+  /// every face on which the sign changes: each crossing simplex is found from its neighbour.
   void activate(const std::vector<Vec3>& seeds) {
     std::vector<std::uint8_t> is_active(tree.size(), 0);
     add_new(seeds.empty() ? blocks_with_small_values() : blocks_at(seeds), is_active);
@@ -233,7 +235,7 @@ struct Extraction {
     add_blocks(blocks);
   }
 
-  /// The block of each seed that lies in one, within the region.
+  /// The block of each seed that is in one, within the region.
   std::vector<std::uint32_t> blocks_at(const std::vector<Vec3>& seeds) const {
     const double scale = static_cast<double>(1u << tree.depth()) / tree.edge();
     std::vector<std::int64_t> at(seeds.size());
@@ -252,7 +254,7 @@ struct Extraction {
 
   bool out_of_domain(std::size_t block) const { return !beyond_domain.empty() && beyond_domain[block]; }
 
-  /// Leaves without any place where `domain` is not positive.
+  /// Excludes leaves in which `domain` is positive everywhere.
   void leave_out(const ScalarField& domain) {
     beyond_domain.assign(tree.size(), 0);
     std::vector<std::vector<std::uint32_t>> of_level(static_cast<std::size_t>(tree.depth()) + 1);
@@ -286,7 +288,7 @@ struct Extraction {
     return blocks;
   }
 
-  /// From the active blocks from `done` on; those outside of the region that come next are only noted.
+  /// Follows the surface from the active blocks from `done` on; neighbours outside the region are only recorded.
   void follow(std::vector<std::uint8_t>& is_active, std::size_t done, std::vector<std::uint32_t>& beyond) {
     constexpr std::size_t kChunk = 512;
     while (done < active.size()) {
@@ -305,7 +307,7 @@ struct Extraction {
     }
   }
 
-  /// Appends the blocks that are not active yet across the faces of a block on which the sign changes.
+  /// Appends the inactive blocks across the faces of a block on which the sign changes.
   void cross_faces(const ActiveBlock& a, const std::vector<std::uint8_t>& is_active,
                    std::vector<std::uint32_t>& found) const {
     if (!crosses(a)) return;
@@ -348,11 +350,11 @@ struct Extraction {
     }
   }
 
-  /// METHODS §3.3: lattice vertices near the surface step back from it along the gradient, by a quarter of the local
-  /// lattice's block edge at most, so that fewer simplices are cut close to a corner.
+  /// tejada2008, 4.4.3: lattice vertices near the surface move away from it along the gradient, by at most a quarter of
+  /// the local block edge, so that fewer simplices are cut close to a corner.
   void displace(double alpha) {
     const std::size_t n = values.size();
-    // Edge of the smallest block around each vertex: a vertex's neighbours may be finer, and the bound is theirs.
+    // Edge of the smallest block around each vertex: neighbours may be finer, and their bound applies.
     std::vector<float> edge(n, std::numeric_limits<float>::max());
     for (const ActiveBlock& a : active)
       for (std::size_t s = 0; s < a.pattern->slots.size(); ++s) {
@@ -369,7 +371,7 @@ struct Extraction {
     field.evaluate(x, f, g);
     parallel_for(0, n, 4096, [&](std::size_t i) {
       const double slope = norm(g[i]);
-      const double most = 0.5 * edge[i];  // no |F| within a simplex of the surface is much larger
+      const double most = 0.5 * edge[i];  // |F| is rarely much larger in a simplex of the surface
       const double size = std::abs(f[i]);
       if (!(slope > 0) || size >= most) return;
       const double step = (most - size) / most * alpha * edge[i] / 4;
@@ -377,7 +379,7 @@ struct Extraction {
       x[i] = origin + Vec3(positions[i]);
     });
     field.evaluate(x, f);
-    // A vertex whose sign the move changed (a second sheet close by) stays where it was.
+    // A vertex whose sign changes by the move (a second sheet close by) stays in place.
     parallel_for(0, n, 4096, [&](std::size_t i) {
       const auto v = static_cast<std::uint32_t>(i);
       if ((f[i] < 0) == inside(v) && !on_border(points[v])) {
@@ -389,9 +391,9 @@ struct Extraction {
     moved = std::move(positions);
   }
 
-  /// The triangles of all crossing simplices between vertices named by lattice edges, or by lattice vertices where
-  /// `merged` allows; triangles that the merging makes degenerate are left out. Only those of blocks with a vertex
-  /// `near`, if that is not empty.
+  /// The triangles of all crossing simplices. Vertices are named by lattice edges, or by lattice vertices where
+  /// `merged` allows; triangles that merging makes degenerate are left out. If `near` is not empty, only blocks with a
+  /// marked vertex are visited.
   std::vector<ChainTriangle> march(const ChainSource::Flags& merged, const ChainSource::Flags& near) const {
     constexpr std::size_t kChunk = 512;
     const std::size_t chunks = (active.size() + kChunk - 1) / kChunk;
@@ -429,7 +431,7 @@ struct Extraction {
         for (std::size_t s = 0; s < active[b].pattern->slots.size(); ++s) marked[numbers[active[b].first + s]] = 1;
   }
 
-  /// The name of the surface vertex on the lattice edge from `in` to `out`.
+  /// Name of the surface vertex on the lattice edge from `in` to `out`.
   ChainVertex crossing(std::uint32_t in, std::uint32_t out, const std::vector<std::uint8_t>& merged) const {
     const std::uint32_t near = values[out] < -values[in] ? out : in;
     if (!merged.empty() && merged[near]) return {near, near};
@@ -447,7 +449,8 @@ struct Extraction {
     for (const auto& tet : a.pattern->tets) {
       const int mask = (in[tet[0]] ? 1 : 0) | (in[tet[1]] ? 2 : 0) | (in[tet[2]] ? 4 : 0) | (in[tet[3]] ? 8 : 0);
       if (mask == 0 || mask == 15) continue;
-      // Even permutations bring the inside vertices first: one of v; or two v, w; or three with the odd one out last.
+      // Even permutations that put the inside vertices first: one of v; or two v, w; or three with the outside vertex
+      // last.
       static constexpr std::array<std::array<std::uint8_t, 4>, 16> kOrder{{{0, 1, 2, 3},
                                                                            {0, 1, 2, 3},
                                                                            {1, 0, 3, 2},
@@ -485,14 +488,14 @@ struct Extraction {
   }
 };
 
-/// A surface as it comes out of the lattice.
+/// A surface as extracted from the lattice.
 struct RawSurface {
   std::vector<Triangle> triangles;
   std::vector<Vec3f> vertices;       ///< relative to the origin
-  std::vector<std::uint8_t> on_cap;  ///< closes the mesh at a face of the cube: there is no surface to move it to
+  std::vector<std::uint8_t> on_cap;  ///< closes the mesh at a face of the cube, where no surface exists to move it to
 };
 
-/// The lattice, which takes more room than the surface in it, is gone afterwards.
+/// Frees the lattice, which is larger than the surface, on return.
 RawSurface extract(const ScalarField& field, BlockTree blocks, const Vec3& origin, const PolygonizeOptions& options,
                    Progress& progress) {
   Extraction e{.field = field, .tree = std::move(blocks), .origin = origin, .regions = options.regions};
@@ -535,18 +538,18 @@ std::vector<float> longest_edges(const RawSurface& raw) {
   return longest;
 }
 
-/// Simplifies the mesh with its vertices at x; false: it is as it was.
+/// Simplifies the mesh with its vertices at x; false if it is unchanged.
 bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std::vector<Vec3>& x, Progress& progress) {
   if (!(options.simplify > 0)) return false;
   progress.begin("simplify");
   parallel_for(0, x.size(), 4096, [&](std::size_t i) { mesh.vertices[i] = Vec3f(x[i] - mesh.origin); });
-  std::vector<Vec3f> normals = std::move(mesh.normals);  // made anew for what is left
+  std::vector<Vec3f> normals = std::move(mesh.normals);  // recomputed if the mesh changes
   mesh.normals.clear();
   CollapseOptions simplify;
   simplify.error = options.simplify;
   simplify.triangles = options.triangles;
   simplify.least_gain = options.least_gain;
-  // A mesh without borders may be made anew in part, and has to match there.
+  // Parts of a mesh without borders may be recomputed, and must match.
   simplify.in_patches = options.domain != nullptr;
   const bool changed = simplify_mesh(mesh, simplify, progress);
   if (!changed) mesh.normals = std::move(normals);
@@ -554,10 +557,10 @@ bool simplified(const PolygonizeOptions& options, TriangleMesh& mesh, const std:
   return changed;
 }
 
-/// Vertices this close to the contour, as a share of an edge that crosses it, are moved onto it.
+/// Vertices this close to the contour, as a fraction of a crossing edge, are moved onto it.
 constexpr float kSnapToContour = 0.3f;
 
-/// Leaves out what is not in the domain of the mesh with its vertices at x, and what closes it at the cube's faces.
+/// Removes the part outside the domain of the mesh with its vertices at x, and the caps at the cube's faces.
 void cut_off(const ScalarField& domain, const std::vector<std::uint8_t>& on_cap, TriangleMesh& mesh,
              std::vector<Vec3>& x) {
   std::vector<double> value(x.size());
@@ -586,8 +589,8 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   RawSurface raw = extract(field, std::move(blocks), origin, options, progress);
 
   progress.begin("place vertices");
-  // A root lies within half the lattice's local spacing of where its vertex starts; a longer step means a gradient
-  // that cannot be trusted.
+  // A root is within half the lattice's local spacing of the vertex's start; a longer step indicates an unreliable
+  // gradient.
   const std::vector<float> longest = longest_edges(raw);
   const std::vector<std::uint8_t> on_cap = std::move(raw.on_cap);
   TriangleMesh mesh;

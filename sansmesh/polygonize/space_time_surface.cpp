@@ -18,18 +18,19 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMostSpaceTimeBlocks = 16'000'000;
-/// Lattice coordinates fit 16 bits: quarters of blocks of this level.
+/// Lattice coordinates (quarters of blocks of this level) fit into 16 bits.
 constexpr int kDeepestSpaceTime = 13;
-/// Values this near to zero, in edges of the smallest blocks, count as so large, and moments this near to one of the
-/// lattice, in how long these last, as that: triangles are no thinner, and positions distinct in float.
+/// Values closer to zero, in edges of the smallest blocks, are raised to this magnitude, and moments closer to a
+/// lattice moment, in durations of the smallest blocks, are moved to it: limits how thin triangles are, and keeps
+/// positions distinct in float.
 constexpr double kNearZero = 1e-3, kNearMoment = 2.5e-3;
-/// The cube reaches so many of the smallest blocks beyond the field, at least.
+/// Least margin of the cube around the field, in smallest blocks.
 constexpr double kAroundField = 2;
-/// Places at which a field is asked in one call.
+/// Points per evaluation of the field.
 constexpr std::size_t kBatch = std::size_t{1} << 18;
 
-/// Lattice vertex in quarters of the smallest blocks, with t in front: numbers are in the order that all simplices list
-/// their vertices in.
+/// Lattice vertex in quarters of the smallest blocks, with t in the highest bits: the order of keys is the order in
+/// which all simplices list their vertices.
 using LatticeKey = std::uint64_t;
 LatticeKey key_of(const std::array<std::int64_t, 4>& v) {
   LatticeKey key = 0;
@@ -38,13 +39,13 @@ LatticeKey key_of(const std::array<std::int64_t, 4>& v) {
 }
 std::int64_t coordinate(LatticeKey key, std::size_t k) { return static_cast<std::int64_t>(key >> (16 * k) & 0xffffu); }
 
-/// The simplices of a block, vertices as places on its 5⁴ grid of quarter edges (x + 5y + 25z + 125t).
+/// Simplices of a block; vertices are positions on its 5⁴ grid of quarter edges (x + 5y + 25z + 125t).
 struct SpaceTimePattern {
   struct Simplex {
-    std::array<std::uint16_t, 5> corner;  ///< of `slots`, increasing
+    std::array<std::uint16_t, 5> corner;  ///< indices into `slots`, increasing
     bool turned;                          ///< negatively oriented
   };
-  std::vector<std::uint16_t> slots;  ///< those that are vertices, increasing
+  std::vector<std::uint16_t> slots;  ///< positions that are vertices, increasing
   std::vector<Simplex> simplices;
 };
 
@@ -61,7 +62,7 @@ SpaceTimePattern make_pattern(const BlockView<4>& tree, int level, const BlockCe
       for (std::size_t k = 4; k-- > 0;) at = 5 * at + (v[i][k] / quarter - 4 * std::int64_t{cell[k]});
       slot[i] = static_cast<std::uint16_t>(at);
     }
-    bool odd = false;  // insertion sort, counting exchanges
+    bool odd = false;  // insertion sort that counts exchanges
     for (std::size_t i = 1; i < 5; ++i)
       for (std::size_t k = i; k > 0 && slot[k] < slot[k - 1]; --k) std::swap(slot[k], slot[k - 1]), odd = !odd;
     all.push_back(slot);
@@ -80,7 +81,7 @@ SpaceTimePattern make_pattern(const BlockView<4>& tree, int level, const BlockCe
   return pattern;
 }
 
-/// Patterns by which of the 64 neighbours that share more than a corner are divided.
+/// Patterns by the set of the 64 neighbours sharing more than a corner that are divided.
 class SpaceTimePatterns {
  public:
   const SpaceTimePattern& of(const BlockTreeN<4>& tree, std::uint32_t block) {
@@ -101,7 +102,7 @@ class SpaceTimePatterns {
       for (std::size_t k = 0; k < 4; ++k) cell[k] = static_cast<std::int32_t>(b.cell[k]);
       it->second = make_pattern(BlockTreeNView<4>(tree), b.level, cell);
     }
-    return it->second;  // stays where it is
+    return it->second;  // references stay valid
   }
 
  private:
@@ -115,10 +116,10 @@ struct PairHash {
   }
 };
 
-/// Numbers for pairs of numbers, in the order in which they come.
+/// Numbers pairs of indices in order of first use.
 class PairNumbers {
  public:
-  /// The number, and whether it is new.
+  /// Returns the number, and whether it is new.
   std::pair<std::uint32_t, bool> of(std::uint32_t a, std::uint32_t b) {
     const auto [it, fresh] = numbers_.try_emplace({a, b}, static_cast<std::uint32_t>(numbers_.size()));
     return {it->second, fresh};
@@ -153,13 +154,13 @@ struct SpaceTimeSurface::State {
   BlockTreeN<4> tree;
   Box3 box;
   TimeRange times;
-  int depth = 0;       ///< of the smallest blocks
-  Vec3 lower;          ///< of the cube
-  double edge = 0;     ///< of the cube (length)
-  double lasting = 0;  ///< of the cube (time)
+  int depth = 0;       ///< level of the smallest blocks
+  Vec3 lower;          ///< lower corner of the cube
+  double edge = 0;     ///< edge of the cube (length)
+  double lasting = 0;  ///< duration of the cube (time)
   double mesh_error = 0;
 
-  std::int64_t quarters() const { return std::int64_t{4} << depth; }  ///< across the cube
+  std::int64_t quarters() const { return std::int64_t{4} << depth; }  ///< quarters across the cube
   double quarter() const { return edge / static_cast<double>(quarters()); }
   double quarter_time() const { return lasting / static_cast<double>(quarters()); }
 
@@ -175,7 +176,7 @@ struct SpaceTimeSurface::State {
     return most;
   }
 
-  /// Values of the field within its box; after its last moment it stays as it is.
+  /// Values of the field within its box; constant after its last moment.
   void evaluate(std::span<const Vec3> x, std::span<double> t, std::span<double> values) const {
     for (double& moment : t) moment = std::clamp(moment, times.first, times.last);
     for (std::size_t begin = 0; begin < x.size(); begin += kBatch) {
@@ -222,7 +223,7 @@ struct SpaceTimeSurface::State {
   }
 };
 
-/// Whether the surface may pass through the blocks of one level during the times of the field.
+/// Whether the surface may cross the blocks of one level during the times of the field.
 std::vector<std::uint8_t> SpaceTimeSurface::State::may_hold(std::span<const std::uint32_t> level) const {
   std::vector<Vec3> x;
   std::vector<double> t;
@@ -241,14 +242,14 @@ std::vector<std::uint8_t> SpaceTimeSurface::State::may_hold(std::span<const std:
   std::vector<ValueRange> found(x.size());
   field->ranges(x, radius, t, lasts / 2, found);
   for (std::size_t n = 0; n < which.size(); ++n) {
-    // Cut off at the box the values are max(field, distance to it).
+    // Clipped at the box, the values are max(field, distance to it).
     const double d = beyond(x[n]);
     answers[which[n]] = std::max(found[n].least, d - radius) <= 0 && std::max(found[n].most, d + radius) >= 0;
   }
   return answers;
 }
 
-/// Those of some blocks, of any levels, that the surface may pass through, in their order.
+/// Selects the blocks, of any levels, that the surface may cross, in their order.
 std::vector<std::uint32_t> SpaceTimeSurface::State::holding(std::vector<std::uint32_t> blocks) const {
   std::vector<std::uint8_t> hold(blocks.size());
   std::vector<std::vector<std::uint32_t>> of_level(static_cast<std::size_t>(tree.depth()) + 1);
@@ -269,8 +270,8 @@ std::vector<std::uint32_t> SpaceTimeSurface::State::holding(std::vector<std::uin
   return blocks;
 }
 
-/// Whether the field is linear up to mesh_error in each block, judged by the middles of the lines between opposite
-/// corners and between the centres of opposite faces.
+/// Whether the field is linear to within mesh_error in each block, tested at the midpoints between opposite corners and
+/// between the centres of opposite faces.
 std::vector<std::uint8_t> SpaceTimeSurface::State::are_flat(std::span<const std::uint32_t> blocks) const {
   constexpr std::size_t kPlaces = 25;  // centre, faces, corners
   std::vector<std::uint8_t> flat(blocks.size());
@@ -295,7 +296,7 @@ std::vector<std::uint8_t> SpaceTimeSurface::State::are_flat(std::span<const std:
           u[k] = end;
           add(u);
         }
-      for (unsigned c = 0; c < 8; ++c)  // and the opposite one
+      for (unsigned c = 0; c < 8; ++c)  // and the opposite corner
         for (const unsigned corner : {c, 15u - c}) {
           std::array<double, 4> u{};
           for (std::size_t k = 0; k < 4; ++k) u[k] = corner >> k & 1u;
@@ -315,7 +316,7 @@ std::vector<std::uint8_t> SpaceTimeSurface::State::are_flat(std::span<const std:
 }
 
 void SpaceTimeSurface::State::divide(Progress& progress) {
-  constexpr int kLeastLevel = 3;  // coarser, whole parts may be missed between the places looked at
+  constexpr int kLeastLevel = 3;  // on coarser levels the sample points could miss whole parts
   std::vector<std::uint32_t> level{0};
   for (int l = 0; l < depth && !level.empty(); ++l) {
     progress.check();
@@ -330,7 +331,8 @@ void SpaceTimeSurface::State::divide(Progress& progress) {
         if (!flat[i]) next[kept++] = next[i];
       next.resize(kept);
     }
-    // Next to a surface each level has 8 times the blocks of the one above: with 4 nothing is refused that would fit.
+    // Next to a surface each level has 8 times the blocks of the level above; a factor of 4 rejects nothing that would
+    // fit.
     const double more = static_cast<double>(next.size()) * std::exp2(mesh_error > 0 ? 0 : 2 * (depth - 1 - l));
     if (static_cast<double>(tree.size()) + BlockTreeN<4>::kChildren * more > kMostSpaceTimeBlocks)
       throw ArgumentError(fmt::format("`cell` and `time_cell` would make more than {} million blocks",
@@ -387,8 +389,8 @@ TriangleMesh SpaceTimeSurface::slice(double t, const Vec3& origin) const {
         fmt::format("the moment {:.9g} does not lie between {:.9g} and {:.9g}", t, s.times.first, s.times.last));
   double moment = (t - s.times.first) / s.quarter_time();
   if (std::abs(moment - std::round(moment)) < 4 * kNearMoment) moment = std::round(moment);
-  // Vertices at the moment itself count as after it (at the first moment, when nothing is before, as before it): so
-  // each of the faces that lie in it is cut out of one simplex.
+  // Vertices exactly at the moment count as after it (at the first moment, as before it), so that each face in that
+  // moment is cut out of one simplex.
   const auto after = [&](std::int64_t time) {
     return moment > 0 ? static_cast<double>(time) >= moment : static_cast<double>(time) > moment;
   };
@@ -416,7 +418,7 @@ TriangleMesh SpaceTimeSurface::slice(double t, const Vec3& origin) const {
   for (const std::uint32_t b : blocks) patterns.push_back(&table.of(s.tree, b));
   const SpaceTimeValues lattice = s.values_of(blocks, patterns);
 
-  // Where edges of the lattice pass the moment, the function there, and the vertices of the surface between two such.
+  // Points where lattice edges cross the moment, with the function there, and the surface vertices between two of them.
   struct Crossing {
     Vec3 x;
     double value;
@@ -428,7 +430,7 @@ TriangleMesh SpaceTimeSurface::slice(double t, const Vec3& origin) const {
   const auto crossing_of = [&](std::uint32_t before, std::uint32_t later) {
     const LatticeKey a = lattice.keys[before], b = lattice.keys[later];
     const auto ta = static_cast<double>(coordinate(a, 3)), tb = static_cast<double>(coordinate(b, 3));
-    if (tb == moment) before = later;  // all edges that end there
+    if (tb == moment) before = later;  // identifies all edges that end there
     if (ta == moment) later = before;
     const auto [number, fresh] = crossing_numbers.of(before, later);
     if (!fresh) return number;
@@ -452,7 +454,7 @@ TriangleMesh SpaceTimeSurface::slice(double t, const Vec3& origin) const {
   };
 
   std::vector<std::uint32_t> numbers;
-  std::vector<std::uint8_t> is_later, is_out;  // of the slots
+  std::vector<std::uint8_t> is_later, is_out;  // per slot
   for (std::size_t n = 0; n < blocks.size(); ++n) {
     const SpaceTimePattern& pattern = *patterns[n];
     numbers.clear(), is_later.clear(), is_out.clear();
@@ -479,7 +481,7 @@ TriangleMesh SpaceTimeSurface::slice(double t, const Vec3& origin) const {
           tet[i] = crossing_of(numbers[simplex.corner[piece[i].first]], numbers[simplex.corner[piece[i].second]]);
           positive |= static_cast<unsigned>(crossings[tet[i]].value >= 0) << i;
         }
-        // What ends in vertices at the moment itself has shrunk to less than a tetrahedron.
+        // A polyhedron that ends in vertices exactly at the moment may have degenerated.
         bool whole = true;
         for (std::size_t i = 0; i < 4; ++i)
           for (std::size_t k = 0; k < i; ++k) whole = whole && tet[i] != tet[k];

@@ -12,10 +12,10 @@ namespace {
 
 constexpr float kCreaseCosine = 0.866f;  // normals that differ by more than 30° across an edge
 
-/// The point nearest to x that lies on the planes (p_j, n_j) in the least-squares sense; directions that the planes
-/// leave open stay as they are.
+/// The point nearest to x that is on the planes (p_j, n_j) in the least-squares sense; undetermined directions keep
+/// their coordinates.
 Vec3 meet_planes(const Vec3& x, const std::vector<Vec3>& p, const std::vector<Vec3>& n) {
-  // Gauss–Newton on Σ (n·(x + d − p))² with a Tikhonov term that is small against any crease over 20°.
+  // Gauss–Newton on Σ (n·(x + d − p))² with a Tikhonov term that is small compared with any crease over 20°.
   Matrix3 a;
   Vec3 b;
   for (std::size_t j = 0; j < p.size(); ++j) {
@@ -77,7 +77,7 @@ void balance_gaps(const ScalarField& field, const std::vector<Triangle>& triangl
     centroid[i] = (x[t[0]] + x[t[1]] + x[t[2]]) * (1 / 3.0);
   });
   field.evaluate(centroid, f);
-  // The gap over a triangle of a sphere: κ e²/6 in its middle, κ e²/8 on average.
+  // The gap over a triangle of a sphere is κ e²/6 at its centroid and κ e²/8 on average.
   constexpr double kMeanOverMiddle = 0.75;
   std::vector<double> move(x.size(), 0);
   parallel_for(0, x.size(), 4096, [&](std::size_t v) {
@@ -89,7 +89,7 @@ void balance_gaps(const ScalarField& field, const std::vector<Triangle>& triangl
       sum += f[t], n += 1;
       edge += norm(centroid[t] - x[v]);
     }
-    if (std::abs(sum) > 0.3 * edge) return;  // not on the surface: a cap that closes the mesh at the domain's border
+    if (std::abs(sum) > 0.3 * edge) return;  // a cap that closes the mesh at the domain's border
     if (n > 0) move[v] = std::clamp(-kMeanOverMiddle * sum / n, -0.2 * edge / n, 0.2 * edge / n);
   });
   parallel_for(0, x.size(), 4096, [&](std::size_t v) { x[v] += Vec3(normals[v]) * move[v]; });

@@ -37,8 +37,7 @@ bool on_cube_face(const LatticeVertex<3>& v) {
 /// Six times the signed volume.
 double volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return dot(b - a, cross(c - a, d - a)); }
 
-/// The level whose blocks say how far the i-th vertex of a simplex may move: that of its block, and one more on a
-/// refined face.
+/// The level that limits the move of the i-th vertex of a simplex: that of its block, one more on a refined face.
 int level_of(const Tuple& s, int i) { return s.level + (s.steps < 3 && i >= s.steps ? 1 : 0); }
 
 class SurfaceWalk {
@@ -48,7 +47,7 @@ class SurfaceWalk {
     tree_.balance();
   }
 
-  /// Finds the crossing simplices, and their vertices with the values there.
+  /// Finds the crossing simplices, their vertices and the values there.
   void walk(const std::vector<Vec3>& seeds, Progress& progress, WalkReport& r) {
     std::vector<Tuple> starts;
     starts.reserve(seeds.size());
@@ -79,7 +78,7 @@ class SurfaceWalk {
     }
   }
 
-  /// METHODS §3.3.
+  /// Displacement of tejada2008, 4.4.3 (WalkOptions::displacement).
   void displace(double alpha, WalkReport& r) {
     const std::size_t n = points_.size();
     std::vector<std::int8_t> level(n, -1);
@@ -151,7 +150,7 @@ class SurfaceWalk {
   }
 
  private:
-  /// On the cube's faces it is positive, which closes the mesh.
+  /// Values are positive on the cube's faces, which closes the mesh.
   void evaluate_from(std::size_t first) {
     places_.resize(points_.size());
     values_.resize(points_.size());
@@ -162,8 +161,8 @@ class SurfaceWalk {
     });
   }
 
-  /// Vertices whose moves would turn a crossing simplex over stay, and so do the others of that simplex. The mesh is a
-  /// manifold all the same, since that rests on signs alone, but it would fold.
+  /// Keeps vertices in place whose moves would invert a crossing simplex, and the other vertices of that simplex. The
+  /// mesh would remain a manifold, which depends on signs alone, but it would fold.
   void hold_turned(const std::vector<Vec3>& target, std::vector<std::uint8_t>& moves, WalkReport& r) const {
     for (bool changed = true; changed;) {
       changed = false;
@@ -183,12 +182,12 @@ class SurfaceWalk {
     }
   }
 
-  /// The triangles of one simplex, facing where the field is positive.
+  /// Triangles of one simplex, with normals towards positive values.
   template <class Crossing>
   void march(std::size_t n, const Crossing& crossing, std::vector<Triangle>& out) const {
     Corners v = corners_[n];
     if (orientation(simplices_[n]) < 0) std::swap(v[2], v[3]);
-    // Even permutations bring the vertices inside to the front.
+    // Even permutations put the inside vertices first.
     unsigned mask = 0;
     for (unsigned i = 0; i < 4; ++i) mask |= (values_[v[i]] < 0 ? 1u : 0u) << i;
     static constexpr std::array<std::array<std::uint8_t, 4>, 16> kOrder{{{0, 1, 2, 3},
@@ -231,8 +230,8 @@ class SurfaceWalk {
   BlockTree tree_;
   BlockTreeView view_;
   Vec3 origin_;
-  std::vector<Tuple> simplices_;  ///< that cross
-  std::vector<Corners> corners_;  ///< of each
+  std::vector<Tuple> simplices_;  ///< crossing simplices
+  std::vector<Corners> corners_;  ///< of each simplex
   std::vector<LatticeVertex<3>> points_;
   std::vector<Vec3> places_;
   std::vector<double> values_;

@@ -11,7 +11,7 @@ namespace {
 
 using Normal = SurfaceOptions::Normal;
 
-/// The patches of hoppe do not meet.
+/// hoppe: adjacent patches do not meet.
 constexpr double kJumpOfPatches = 0.5;
 
 ImplicitOptions implicit_options(const SurfaceOptions& options) {
