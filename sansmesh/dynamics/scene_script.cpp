@@ -111,7 +111,7 @@ class SceneReader {
     }
     f.get("iterations", s.iterations, &SceneFields::whole);
     f.get("halvings", s.halvings, &SceneFields::whole);
-    // The ranges of SoftBodyOptions, told by the scene's keys.
+    // Ranges of SoftBodyOptions, reported with the scene's keys.
     if (s.poisson && *s.poisson > 0.49) f.fail("'poisson' must lie in 0..0.49");
     if (s.tolerance && !(*s.tolerance >= 1e-14 && *s.tolerance <= 0.1)) f.fail("'tolerance' must lie in 1e-14..0.1");
     if (s.iterations && *s.iterations < 1) f.fail("'iterations' must be at least 1");
@@ -163,7 +163,7 @@ class SceneReader {
     return all;
   }
 
-  /// A file, a list of numbers, an object, or several of them: all that any of them says.
+  /// A file, a list of numbers, an object, or several of them: the union of all.
   std::vector<std::uint32_t> selections(const SceneJson& json, const std::string& where) const {
     std::vector<std::uint32_t> all;
     if (json.is_array() && !json.empty() &&
@@ -180,7 +180,7 @@ class SceneReader {
     return all;
   }
 
-  /// All that every condition of it says; none is an error.
+  /// The vertices that satisfy all conditions of an object; none is an error.
   std::vector<std::uint32_t> selection(const SceneJson& json, const std::string& where) const {
     if (json.is_string()) return in_file(json.get<std::string>(), where);
     const SceneFields f(json, where, {"vertices", "file", "box", "half_space", "ball", "side", "share"});
@@ -286,7 +286,7 @@ class SceneReader {
         handle.keys.push_back(key);
       }
       if (handle.keys.empty()) f.fail("'keys' is empty");
-      // The first key is reached from rest.
+      // Motion starts from rest towards the first key.
       if (handle.keys.front().time > 0) handle.keys.insert(handle.keys.begin(), HandleKey{});
       return handle;
     }

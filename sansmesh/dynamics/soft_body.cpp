@@ -36,8 +36,8 @@ struct SoftBody::State {
   TetMesh mesh;
   DynamicsScene scene;
   std::vector<double> masses;        ///< of the mesh's vertices
-  std::vector<std::uint32_t> order;  ///< vertices of the mesh as the body has them
-  std::vector<std::uint32_t> place;  ///< and the other way round
+  std::vector<std::uint32_t> order;  ///< mesh vertex of each vertex of the body
+  std::vector<std::uint32_t> place;  ///< inverse of `order`
   std::unique_ptr<BodyState> body;
   std::unique_ptr<BodyStepper> stepper;
 
@@ -85,7 +85,7 @@ SoftBody::SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene s
   for (Tet& t : tets) {
     for (std::uint32_t& v : t) v = s.place[v];
   }
-  // Neighbours in memory, too; sums over tetrahedra are in this order.
+  // Improves locality; also the order of sums over tetrahedra.
   std::sort(tets.begin(), tets.end(), [](const Tet& a, const Tet& b) {
     const auto first = [](const Tet& t) { return *std::min_element(t.begin(), t.end()); };
     return first(a) != first(b) ? first(a) < first(b) : a < b;

@@ -12,13 +12,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kSuitedStiffness = 25;    ///< Young's modulus over density × gravity × size
-constexpr double kSuitedDamping = 0.004;   ///< s, damping over stiffness
-constexpr double kSuitedTolerance = 0.01;  ///< of conjugate gradients: half the time of 0.001, and nothing to be seen
-constexpr double kSuitedStep = 0.01;       ///< s, of implicit methods
-constexpr double kSafeStep = 0.5;          ///< of the longest that is stable
+constexpr double kSuitedStiffness = 25;   ///< Young's modulus over density × gravity × size
+constexpr double kSuitedDamping = 0.004;  ///< s, damping over stiffness
+constexpr double kSuitedTolerance =
+    0.01;                             ///< of conjugate gradients: half the time of 0.001, without visible difference
+constexpr double kSuitedStep = 0.01;  ///< s, of implicit methods
+constexpr double kSafeStep = 0.5;     ///< fraction of the longest stable step
 constexpr double kEarth = 9.81;
-constexpr double kLargestSuited = 20;  ///< m, of a body whose unit nobody says
+constexpr double kLargestSuited = 20;  ///< m, for a body without a unit
 
 double mean_edge(const TetMesh& mesh) {
   double sum = 0;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kEdgeEnds[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
-/// Makes beginnings of counts: count[i] stands at begin[i + 1].
+/// Prefix sums of counts: count[i] is at begin[i + 1].
 void sum_up(std::vector<std::uint32_t>& begin) {
   for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
 }
@@ -44,7 +44,7 @@ VertexGraph vertex_graph(std::span<const Tet> tets, std::size_t vertices) {
     const std::uint32_t at = next[from]++;
     graph.neighbours[at] = to, graph.edge_of[at] = static_cast<std::uint32_t>(edge);
   };
-  // Edges ascend by their smaller end: first those that lead to a smaller vertex, then the others, keeps rows
+  // Edges ascend by their smaller end. Adding first the half-edges to smaller vertices, then the others, keeps rows
   // ascending.
   for (std::size_t e = 0; e < keys.size(); ++e) add(graph.edges[e][1], graph.edges[e][0], e);
   for (std::size_t e = 0; e < keys.size(); ++e) add(graph.edges[e][0], graph.edges[e][1], e);

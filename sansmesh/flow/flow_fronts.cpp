@@ -15,46 +15,46 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
-/// Cosine of the angle between the ways to both neighbours up to which a particle is on a straight line with them
-/// (10°).
+/// Cosine of the angle between the directions to both neighbours above which a particle is collinear with them (10°).
 constexpr double kStraight = 0.985;
-/// Particles that went less than this, over Δ₀, since their last point keep it; they are as good as one when they are
-/// as near to each other.
+/// Particles that moved less than this, over Δ₀, since their last point keep it; particles closer to each other than
+/// this count as one.
 constexpr double kAtRest = 1e-3;
-/// Where one of them has ended the other goes on beside a rim, which is told to this part of Δ₀ of the seed curve.
+/// Where one neighbour has ended, the other continues beside a rim, which is resolved to this fraction of Δ₀ on the
+/// seed curve.
 constexpr double kRim = 1.0 / 64;
-/// Gaps that cross where there is no flow are filled until they are so narrow, over Δ₀: beside a round obstacle they
-/// pass it then.
+/// Gaps across a region without flow are filled until they are this narrow, over Δ₀: the surface then passes beside a
+/// round obstacle.
 constexpr double kObstacle = 1.0 / 8;
-/// Gaps wider than this part of the widest may need a particle before those that need one now are halved again.
+/// Gaps wider than this fraction of the widest may need a particle soon, before those filled now are halved again.
 constexpr double kAhead = 1.0 / 4;
-/// From one front to the next their distance in time changes by no more than this factor.
+/// Largest ratio of the time steps of successive fronts.
 constexpr double kChange = 2;
-/// Where some particles are so fast that fronts are nearer to each other than median speed would have it: those that
-/// went less than this since their last point, over Δ₀, keep it; and so many times nearer at most.
+/// Where some particles are so fast that fronts are closer together than at median speed: particles that moved less
+/// than kSlow Δ₀ since their last point keep it; fronts are closer by at most the factor kMostParts.
 constexpr double kSlow = 0.5, kMostParts = 256;
-/// Particles that begin nearer to each other than this, in tolerances of the integrator, have nothing between them.
-/// They make nearly the same steps and so nearly the same errors: whatever parts them is known far better than to a
-/// tolerance.
+/// Particles with starts closer than this, in tolerances of the integrator, have none inserted between them. They make
+/// nearly the same steps and nearly the same errors, so their separation is known far better than the tolerance.
 constexpr double kTooNear = 0.2;
-/// Where a flow mixes, particles are put between others without an end, each followed from its seed: the surface ends
-/// with so many moves of a particle to a front for each point that it may have.
+/// In mixing flows, insertion never ends, and each inserted particle is traced from its seed: the surface ends after
+/// this many particle moves per allowed point.
 constexpr double kMostWork = 10;
-/// A few particles that are followed from their seeds take as long as so many.
+/// Tracing fewer particles than this from their seeds takes no less time.
 constexpr std::size_t kLeastPass = 16;
-/// A step that brings a particle farther than α Δ₀ is made again, so much shorter than would do at even speed.
+/// A step that moves a particle farther than α Δ₀ is repeated with this fraction of the length that would suffice at
+/// constant speed.
 constexpr double kShorter = 0.9, kShortEnough = 0.99;
 
 /// A particle of a front, between its neighbours.
 struct Member {
   std::uint32_t particle = 0;
-  std::uint32_t point = kNone;   // its last one
-  std::uint32_t before = kNone;  // its place among the members of the front before; none: put in since
+  std::uint32_t point = kNone;   // its last point
+  std::uint32_t before = kNone;  // index in the previous front; none: inserted since
   double s = 0;
-  Vec3 was;             // where it was at the front before
-  bool joined = false;  // with the next member; of the last one with the first
+  Vec3 was;             // position at the previous front
+  bool joined = false;  // with the next member; the last one with the first
   bool removed = false;
-  bool needed = false;  // it was put in beside an obstacle: stays
+  bool needed = false;  // inserted beside an obstacle: not removed
 };
 
 class Fronts {
@@ -89,10 +89,10 @@ class Fronts {
       }
       step = next_step(step);
       share_ = options_.front_step ? 1 : std::clamp(kShorter * longest_way() / (fastest() * step), 1 / kMostParts, 1.0);
-      // Whole steps to the end, none that is a sliver.
+      // Equal steps to the end, without a tiny last one.
       const double left = std::abs(end - t), steps = std::ceil(left / (share_ * step) * (1 - 1e-9));
       const double to = steps <= 1 ? end : t + sign * (std::isfinite(left) ? left / steps : share_ * step);
-      // Moments so near to each other are the same number.
+      // Moments may be too close to differ.
       const double next = to == t ? t : advance(t, to, step, end);
       if (next == t) {
         sheet_.report.complete = false, sheet_.report.moments_meet = true;
@@ -151,7 +151,7 @@ class Fronts {
     return std::clamp(spacing_ / *middle, last / kChange, last * kChange);
   }
 
-  /// How far a particle may go from one front to the next.
+  /// Largest distance of a particle from one front to the next.
   double longest_way() const { return options_.alpha * spacing_; }
 
   double fastest() const {
@@ -161,8 +161,8 @@ class Fronts {
     return most;
   }
 
-  /// To a front at `to`, or earlier where particles got fast on the way. `step` is the time that fronts are apart by
-  /// median speed, `end` the last moment. Returns the moment of the front.
+  /// Advances to a front at `to`, or earlier where particles became fast on the way. `step` is the time between fronts
+  /// at median speed, `end` the last moment. Returns the moment of the front.
   double advance(double from, double to, double step, double end) {
     std::vector<std::uint32_t> which;
     which.reserve(members_.size());
@@ -191,7 +191,7 @@ class Fronts {
     return to;
   }
 
-  /// So far that none of them goes farther than it may.
+  /// Moves the members at most so far that none exceeds the largest distance.
   double move_members(const std::vector<std::uint32_t>& which, double from, double to, double step) {
     const bool free = !options_.front_step;
     Particles before;
@@ -204,14 +204,14 @@ class Fronts {
       const double went = std::abs(to - from), least = step / kMostParts;
       if (!free || !(most > longest_way())) return to;
       const double next = std::max(least, went * std::max(kShorter * longest_way() / most, 1.0 / 8));
-      if (next > kShortEnough * went) return to;  // by rounding `went` may stay above the least for ever
+      if (next > kShortEnough * went) return to;  // rounding may keep `went` above the least forever
       particles_ = before;
       to = to > from ? from + next : from - next;
       share_ = std::min(share_, next / step);
     }
   }
 
-  /// Since the front before, of those that moved.
+  /// Median distance moved since the previous front, of the particles that moved.
   double median_step() const {
     std::vector<double> steps;
     steps.reserve(next_.size());
@@ -222,7 +222,7 @@ class Fronts {
 
   enum class Gap : std::uint8_t { good, wide, torn };
 
-  /// The two inequalities.
+  /// The two inequalities of tejada2008, 5.3.
   Gap judge(const Member& a, const Member& b) const {
     const double gap = norm(place(b) - place(a));
     if (!(gap > options_.alpha * spacing_)) return Gap::good;
@@ -240,13 +240,13 @@ class Fronts {
   /// Length of the seed curve from a to the next member b.
   double span(const Member& a, const Member& b) const { return span(a.s, b.s); }
   double span(double a, double b) const { return b > a ? b - a : b + length_ - a; }
-  /// Half-way on the seed curve.
+  /// Midpoint on the seed curve.
   double middle(double a, double b) const {
     const double s = a + 0.5 * span(a, b);
     return s >= length_ && curve_.closed ? s - length_ : s;
   }
 
-  /// Puts particles into gaps until none is too wide that can be filled.
+  /// Inserts particles until no fillable gap is too wide.
   void fill_gaps(double from, double to) {
     for (std::vector<std::uint32_t> wide;; wide.clear()) {
       for (std::size_t i = 0; i < next_.size(); ++i) {
@@ -260,7 +260,7 @@ class Fronts {
     }
   }
 
-  /// Nothing across where there is no flow.
+  /// Separates neighbours across regions without flow.
   void pass_obstacles(double from, double to) {
     for (;;) {
       std::vector<std::uint32_t> narrower;
@@ -279,7 +279,7 @@ class Fronts {
     }
   }
 
-  /// A particle each after the members of `wide`; where there is none the surface tears.
+  /// Inserts a particle after each member of `wide`; the surface tears where none exists.
   void insert(std::span<const std::uint32_t> wide, double from, double to, bool needed) {
     const std::size_t n = wide.size();
     std::vector<Member> fresh(n);
@@ -305,7 +305,7 @@ class Fronts {
     for (std::size_t i = 0, k = 0; i < next_.size(); ++i) {
       filled.push_back(next_[i]);
       if (k == n || wide[k] != i) continue;
-      // One that does not get there: something is in the way, unless neighbours end, too.
+      // The new particle ended: an obstacle, unless neighbours end too.
       const bool rim = at_rim(next_[i], next_[i + 1 < next_.size() ? i + 1 : 0]);
       if (p.ends[k] && (!rim || *p.ends[k] == TraceEnd::outside)) {
         filled.back().joined = false;
@@ -321,14 +321,15 @@ class Fronts {
 
   const Member& after(std::size_t i) const { return next_[i + 1 < next_.size() ? i + 1 : 0]; }
 
-  /// Particles from s on the seed curve, those in the middles of the gaps `wide`, and where they were at the front
-  /// before.
+  /// Finds particles that start at arc lengths s, the midpoints of the gaps `wide`, and their positions at the previous
+  /// front.
   void find(const std::vector<double>& s, std::span<const std::uint32_t> wide, double from, double to, Particles& p,
             std::vector<Vec3>& was) {
     if (field_.moments().empty()) return trace(s, from, to, p, was);
     const auto is_there = [this](double place) { return ahead_.has(place); };
     if (!std::all_of(s.begin(), s.end(), is_there)) {
-      // Those in the middles of gaps are kept, and of the wider ones and of the halves of those that get one traced.
+      // Keeps the particles at midpoints; traces also those of the wider gaps, and of the halves of gaps that are
+      // filled now.
       std::vector<double> kept(s), wanted(s);
       for (std::size_t i = 0, k = 0; i < next_.size(); ++i) {
         const Member &a = next_[i], &b = after(i);
@@ -354,12 +355,12 @@ class Fronts {
     for (const double place : s) ahead_.take(place, p, was);
   }
 
-  /// From the seed curve to the front before, and to this one.
+  /// Traces from the seed curve to the previous front, and to this one.
   void trace(const std::vector<double>& s, double from, double to, Particles& p, std::vector<Vec3>& was) {
     std::vector<std::uint32_t> all(s.size());
     for (std::size_t k = 0; k < all.size(); ++k) all[k] = static_cast<std::uint32_t>(k);
     p = particles_at(field_, curve_.at(s), std::vector<double>(s.size(), start_));
-    // With the steps that its neighbours made, where steps make much of a difference.
+    // Uses the steps of its neighbours where the step length matters.
     if (FlowIntegrator::registry().at(trace_.integrator).order == 1)
       for (const double moment : moments_) move_particles(field_, p, all, moment, trace_);
     move_particles(field_, p, all, from, trace_);
@@ -373,7 +374,7 @@ class Fronts {
     return static_cast<std::uint32_t>(particles_.positions.size() - 1);
   }
 
-  /// Those half-way between which and the next one there is no flow.
+  /// Members between which and the next one there is no flow half-way.
   std::vector<std::uint32_t> blocked(double time) const {
     std::vector<std::uint32_t> pairs;
     std::vector<Vec3> places;
@@ -392,7 +393,8 @@ class Fronts {
     return pairs;
   }
 
-  /// A ribbon that tears somewhere ends whole, at the front before: parts of it would hang on by single points.
+  /// A ribbon that tears somewhere ends as a whole, at the previous front: parts of it would be attached at single
+  /// points.
   void drop_parted_insertions() {
     std::vector<Member> kept;
     kept.reserve(next_.size());
@@ -416,7 +418,7 @@ class Fronts {
     next_ = std::move(kept);
   }
 
-  /// Particles on a straight line with both neighbours, and near them. Never two in a row.
+  /// Marks particles that are collinear with both neighbours and near them. Never two in a row.
   void remove_needless() {
     const std::size_t n = next_.size();
     std::size_t left = n;
@@ -437,18 +439,18 @@ class Fronts {
     }
   }
 
-  /// The member before or after i that stays, if i is joined with it; else n.
+  /// The remaining member before or after i, if i is joined with it; else n.
   std::size_t neighbour(std::size_t i, bool after) const {
     const std::size_t n = next_.size();
     const auto step = [&](std::size_t k) { return after ? (k + 1 < n ? k + 1 : 0) : (k > 0 ? k - 1 : n - 1); };
     std::size_t k = step(i);
     if (!(after ? next_[i] : next_[k]).joined) return n;
-    if (next_[k].removed) k = step(k);  // which is joined with both
+    if (next_[k].removed) k = step(k);  // it is joined with both
     return k;
   }
 
-  /// Points of those that have a neighbour. Returns whether any has moved. Where fronts are near to each other for
-  /// the sake of few that are fast, the slow ones keep theirs for some fronts, but not at the last one.
+  /// Adds points for members with a neighbour. Returns whether any has moved. Where fronts are close together because
+  /// of few fast particles, slow ones keep their points for some fronts, except at the last one.
   bool make_points(bool last) {
     bool moved = false;
     const double rest = kAtRest * spacing_, slow = share_ < 1 && !last ? kSlow * spacing_ : rest;
@@ -465,7 +467,7 @@ class Fronts {
         if (since < slow && !ended(m)) continue;
       }
       moved = true;
-      // Along the front: the slope of the parabola through both neighbours.
+      // Direction along the front: slope of the parabola through both neighbours.
       Vec3 along;
       if (l < n && r < n) {
         const Vec3 a = x - place(next_[l]), b = place(next_[r]) - x;
@@ -476,7 +478,7 @@ class Fronts {
       }
       FlowPoint point;
       point.position = x, point.velocity = particles_.velocities[m.particle];
-      // Where both are nearly parallel the triangles tell.
+      // Where both are nearly parallel, the triangles determine the normal.
       const Vec3 normal = cross(along, point.velocity);
       if (norm(normal) > 1e-3 * norm(along) * norm(point.velocity)) point.normal = normalized(normal);
       point.s = m.s, point.t = particles_.times[m.particle];
@@ -488,10 +490,10 @@ class Fronts {
     return moved;
   }
 
-  /// Between the front before and this one.
+  /// Triangles between the previous front and this one.
   void make_triangles() {
     const std::size_t n = members_.size();
-    // Where its members are now.
+    // Current index of the members of the previous front.
     std::vector<std::uint32_t> now(n);
     for (std::size_t i = 0; i < next_.size(); ++i)
       if (next_[i].before != kNone) now[next_[i].before] = static_cast<std::uint32_t>(i);
@@ -514,7 +516,7 @@ class Fronts {
     }
   }
 
-  /// Triangles between two rows of points, each with the shorter of two diagonals.
+  /// Triangulates between two rows of points, each time with the shorter diagonal.
   void zip(const std::vector<std::uint32_t>& lower, const std::vector<std::uint32_t>& upper) {
     const auto distance = [&](std::uint32_t a, std::uint32_t b) {
       return squared_norm(sheet_.points[a].position - sheet_.points[b].position);
@@ -532,8 +534,8 @@ class Fronts {
     }
   }
 
-  /// Those with a neighbour, if one of the two goes on: beside a particle that has ended its neighbours still sweep
-  /// what lies between.
+  /// Keeps members with a neighbour, if one of the two continues: beside a particle that has ended, its neighbours
+  /// still sweep the region between.
   void keep_those_that_go_on() {
     members_.clear();
     const std::size_t n = next_.size();
@@ -553,13 +555,13 @@ class Fronts {
   TraceOptions trace_;
   double start_ = 0, length_ = 0, spacing_ = 0, least_span_ = 0;
   FlowSheet sheet_;
-  Particles particles_, seeds_;       // of this direction; as they begin
+  Particles particles_, seeds_;       // of this direction; at their starts
   std::vector<std::uint32_t> names_;  // of particles_, the same in both directions
   std::vector<Member> members_, next_, first_;
-  std::vector<double> moments_;    // of the fronts up to the one before
+  std::vector<double> moments_;    // of the fronts up to the previous one
   ParticlesAhead ahead_;           // of this direction
-  double share_ = 1;               // of the time between fronts that median speed has
-  double way_ = 0, most_way_ = 0;  // of the medians of particles
+  double share_ = 1;               // time between fronts over that at median speed
+  double way_ = 0, most_way_ = 0;  // sums of the particles' median steps
   std::size_t front_ = 0, inserted_ = 0;
   double work_ = 0;  // moves of a particle to a front
 };

@@ -19,7 +19,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kUsualSeeds = 256;
-constexpr double kMostDiagonals = 5;  // where nothing else ends a surface
+constexpr double kMostDiagonals = 5;  // default length of a surface without another end
 
 bool is_nothing_beside(double start, double duration) { return start + duration == start || start - duration == start; }
 
@@ -37,7 +37,7 @@ bool is_nothing_beside(double start, double duration) { return start + duration 
 
 bool is_released(FlowSurfaceKind kind) { return kind == FlowSurfaceKind::streak || kind == FlowSurfaceKind::time; }
 
-/// A flow that stays as it was at a moment.
+/// A flow frozen at one moment.
 class FlowAtOneMoment final : public VectorField {
  public:
   FlowAtOneMoment(const VectorField& field, double moment) : field_(field), moment_(moment) {}
@@ -52,7 +52,7 @@ class FlowAtOneMoment final : public VectorField {
   double moment_;
 };
 
-/// Leaves out points without a triangle; those without a normal get one from their triangles, weighted by area.
+/// Removes points without a triangle; missing normals are computed from the triangles, weighted by area.
 void tidy_sheet(FlowSheet& sheet) {
   std::vector<std::uint32_t> number(sheet.points.size(), 0);
   std::vector<Vec3> normals(sheet.points.size());
@@ -98,7 +98,7 @@ TriangleMesh mesh_of(const FlowSheet& sheet) {
   return mesh;
 }
 
-/// A vertex, and a point, for each of the fans of triangles that meet in one.
+/// Duplicates vertices and points shared by several fans of triangles.
 void separate_fans_of(FlowSurface& surface) {
   std::vector<std::uint32_t> number(surface.points.size());
   std::iota(number.begin(), number.end(), 0u);
@@ -160,7 +160,7 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
   surface.report = sheet.report;
   surface.mesh = mesh_of(sheet);
   surface.points = std::move(sheet.points);
-  // Only sheets that were cut, and fronts that tear differently in both directions, have such vertices.
+  // Only torn sheets, and fronts that tear differently in both directions, have such vertices.
   if (is_released(kind) || options.direction == FlowDirection::both) separate_fans_of(surface);
   return surface;
 }

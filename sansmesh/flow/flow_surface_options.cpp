@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::string_view kSurfaceKinds[] = {"stream", "path", "streak", "time"};
 
-/// New particles start half-way between others, as a flag.
+/// FlowInsertion::interpolated as a flag.
 struct InterpolatedFlag {
   static constexpr auto kind = OptionKind::flag;
   static OptionValue get(FlowInsertion v) { return v == FlowInsertion::interpolated; }

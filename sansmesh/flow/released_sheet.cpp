@@ -15,10 +15,10 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kNothing = ~std::uint32_t{0};
-/// Edges that end in a particle that does not arrive, or cross where there is no flow, are halved until they span this
-/// part of what they did at the beginning.
+/// Edges with a particle that does not arrive, or across a region without flow, are halved down to this fraction of
+/// their initial extent.
 constexpr double kLeastPartAtRim = 1.0 / 8;
-/// Rows are at least so many of the steps between numbers apart, or some would be released at the same moment.
+/// Least distance of rows in units of the rounding of moments; closer rows would be released at the same moment.
 constexpr double kLeastSpacing = 4;
 
 /// An unordered pair of nodes.
@@ -61,18 +61,18 @@ class ReleasedSheet {
   }
 
  private:
-  /// Rows are by age, or by how far the curve was swept.
+  /// Rows are parametrised by age, or by the swept fraction of the curve.
   double released(double row) const {
     return row == row_extent_ ? *options_.start : end_ + (trace_.backward ? row : -row);
   }
 
-  /// The step between numbers where the moments are largest.
+  /// Spacing of floating-point numbers at the largest moment.
   double rounding_of_moments() const {
     const double largest = std::max(std::abs(*options_.start), std::abs(end_));
     return std::nextafter(largest, std::numeric_limits<double>::infinity()) - largest;
   }
 
-  /// The particles with these s and rows, followed to the end.
+  /// Traces the particles with these s and rows to the end.
   void follow(std::span<const double> s, std::span<const double> rows) {
     std::vector<Vec3> seeds = curve_.at(s);
     std::vector<double> moments(s.size(), *options_.start);
@@ -92,7 +92,7 @@ class ReleasedSheet {
     append(particles_.ends, p.ends);
   }
 
-  /// Rows of as many particles as there are seeds.
+  /// Creates rows of as many particles as there are seeds.
   void lay() {
     const std::size_t n = *options_.seeds;
     std::vector<double> line(n);
@@ -123,7 +123,7 @@ class ReleasedSheet {
       for (std::size_t i = 0; i + (curve_.closed ? 0 : 1) < n; ++i) {
         const auto a = static_cast<std::uint32_t>(k * n + i), b = static_cast<std::uint32_t>(k * n + (i + 1) % n);
         const auto up = static_cast<std::uint32_t>(n);
-        // Against the flow, as all triangles backward: rows by age go that way.
+        // Reversed, like all triangles backward: rows by age run against the flow.
         const bool shorter = distance(b, a + up) <= distance(a, b + up);
         add(shorter ? Triangle{a, b, a + up} : Triangle{a, b, b + up});
         add(shorter ? Triangle{b, b + up, a + up} : Triangle{a, b + up, a + up});
@@ -140,13 +140,14 @@ class ReleasedSheet {
   }
   bool arrived(std::uint32_t i) const { return !particles_.ends[i]; }
 
-  /// From a to b along the seed curve, the shorter way round.
+  /// From a to b along the seed curve, the shorter way around.
   double along(std::uint32_t a, std::uint32_t b) const {
     const double d = s_[b] - s_[a];
     return !curve_.closed || std::abs(d) <= 0.5 * length_ ? d : d - std::copysign(length_, d);
   }
 
-  /// Halves the edges of the active triangles that need it; those that do not are done. False: no room for more.
+  /// Halves the edges of the active triangles that need it; triangles without such edges are done. Returns false if the
+  /// limit of points is reached.
   bool refine() {
     std::vector<std::uint64_t> edges;
     for (const Triangle& t : active_)
@@ -157,13 +158,13 @@ class ReleasedSheet {
     const auto ends = [&](std::size_t e) {
       return std::pair{static_cast<std::uint32_t>(edges[e] >> 32), static_cast<std::uint32_t>(edges[e])};
     };
-    // What is in the middle of each.
+    // Flow at the midpoints.
     std::vector<Vec3> places(n), vectors(n);
     std::vector<std::uint8_t> inside(n);
     for (std::size_t e = 0; e < n; ++e)
       places[e] = (particles_.positions[ends(e).first] + particles_.positions[ends(e).second]) * 0.5;
     field_.evaluate(places, std::vector<double>(n, end_), vectors, inside);
-    // What they span of the distance between seeds, and of that between rows.
+    // Extent of an edge, over the distance of seeds and over that of rows.
     const auto part_s = [&](std::size_t e) { return std::abs(along(ends(e).first, ends(e).second)) / spacing_; };
     const auto part_row = [&](std::size_t e) {
       return std::abs(row_[ends(e).first] - row_[ends(e).second]) / row_spacing_;
@@ -178,11 +179,10 @@ class ReleasedSheet {
       if (!arrived(a) || !arrived(b)) continue;
       const bool wide = distance(a, b) > options_.alpha * spacing_;
       bad[e] = wide || inside[e] == 0;
-      // Where the first is no more than the error of the integration all between them is noise, however far apart they
-      // were released.
+      // Below the integration error all particles between are noise, even if released far apart in time.
       halve[e] = wide && inside[e] != 0 && (part_s(e) > 0 ? part_s(e) : part_row(e)) > least_part_;
     }
-    // At rims all edges of a triangle are halved: with others left as they are some would never become short.
+    // At rims all edges of a triangle are halved; otherwise some would never become short.
     bool rims = false;
     for (const Triangle& t : active_) {
       const bool some = arrived(t[0]) || arrived(t[1]) || arrived(t[2]);
@@ -230,7 +230,7 @@ class ReleasedSheet {
       else if (whole)
         done.push_back(t);
     };
-    // Those that were done share edges with those at rims.
+    // Finished triangles share edges with those at rims.
     if (rims && room) {
       for (const Triangle& t : sheet_.triangles) divide(t);
       sheet_.triangles.clear();
@@ -241,14 +241,14 @@ class ReleasedSheet {
     return room;
   }
 
-  /// Parts of a triangle; m[k] is in the middle of the edge from corner k to the next, if anything.
+  /// Subdivides a triangle; m[k] is the midpoint of the edge from corner k to the next, if any.
   void cut(const Triangle& t, const std::array<std::uint32_t, 3>& m, std::vector<Triangle>& parts) const {
     const auto number = std::count_if(m.begin(), m.end(), [](std::uint32_t i) { return i != kNothing; });
     if (number == 3) {
       parts.insert(parts.end(), {{t[0], m[0], m[2]}, {m[0], t[1], m[1]}, {m[2], m[1], t[2]}, {m[0], m[1], m[2]}});
       return;
     }
-    // With one the first edge has it, with two the last has none.
+    // With one midpoint the first edge has it, with two the last edge has none.
     std::size_t k = 0;
     while (m[k] == kNothing || (number == 2 && m[(k + 1) % 3] == kNothing)) ++k;
     const std::uint32_t a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3], ab = m[k], bc = m[(k + 1) % 3];
@@ -267,7 +267,7 @@ class ReleasedSheet {
   TraceOptions trace_;
   bool streak_ = false;
   double length_ = 0, spacing_ = 0, end_ = 0, row_extent_ = 0, row_spacing_ = 0, least_part_ = 0;
-  std::vector<double> s_, row_;  // of the particles
+  std::vector<double> s_, row_;  // per particle
   Particles particles_;          // positions, velocities and ends
   std::vector<Triangle> active_;
   std::vector<std::uint64_t> torn_;  // edges

@@ -1,4 +1,4 @@
-// Steps of one length: Euler's, and the classical ones of Runge and Kutta.
+// Integrators of constant step length: Euler's and the classical Runge–Kutta method.
 #include "sansmesh/flow/flow_integrator.h"
 
 namespace sansmesh::inline v1 {

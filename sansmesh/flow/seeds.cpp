@@ -48,7 +48,7 @@ std::size_t count_of(std::string_view text, double value, double least) {
 
 std::vector<Vec3> in_box(const Box3& box, std::size_t n) {
   const Vec3 size = box.size();
-  // Directions thinner than the step have one layer, and all seeds are for the others.
+  // Directions thinner than the step have one layer; the seeds are distributed over the others.
   bool thin[3] = {};
   double step = 0;
   for (int pass = 0; pass < 3; ++pass) {
