@@ -43,7 +43,7 @@ TEST(HandleFile, JsonHoldsAllThatAHandleCanBe) {
   EXPECT_EQ(*h[4].reach, 0.25);
   ASSERT_EQ(h[5].directions.size(), 3u);
   EXPECT_EQ(h[5].directions[1].after, (Vec3{-1, 0, 0}));
-  // What is written is read again as it was.
+  // Written handles are read back unchanged.
   EXPECT_EQ(handles_json(parse_handles(handles_json(h), "again")), handles_json(h));
 }
 
@@ -136,7 +136,7 @@ TEST(HandleFile, PairsOfMeshesGiveHandles) {
   PointSet fewer = after;
   fewer.positions.pop_back();
   EXPECT_THROW(handles_of_pair(before, fewer, some), ArgumentError);
-  // Both ends, and then the middle of what is left.
+  // Both ends, then the middle of the rest.
   EXPECT_EQ(spread_vertices_of(before, 3), (std::vector<std::uint32_t>{0, 19, 9}));
   const std::vector<std::uint32_t> all = spread_vertices_of(before, 100);
   EXPECT_EQ(all.size(), 19u);
@@ -177,7 +177,7 @@ TEST(FoldShapes, LieAroundWhatIsFolded) {
   const Box3f found = bounds(mesh);
   EXPECT_NEAR(found.upper.x, 0.55, 1e-6);  // points up to 0.5, and half a step
   EXPECT_NEAR(found.lower.x, -0.05, 1e-6);
-  // The outside of the block of cells: both faces of the shape's normal agree with its triangles.
+  // The outside of the block of cells: normals agree with the orientation of the triangles.
   double volume = 0;
   for (const Triangle& t : mesh.triangles) {
     const Vec3 a(mesh.vertices[t[0]]), b(mesh.vertices[t[1]]), c(mesh.vertices[t[2]]);

@@ -11,7 +11,7 @@
 namespace sansmesh::test {
 namespace {
 
-/// What the constructor says of these handles.
+/// Message of the constructor for these handles.
 std::string said(const std::vector<Handle>& handles, const MlsDeformationOptions& options = {}) {
   try {
     const MlsDeformation map(handles, options);

@@ -56,7 +56,7 @@ double area(const FlowSurface& surface) {
   return sum;
 }
 
-/// What holds for every surface; `fans`: that was cut into fans, which have a vertex each.
+/// Invariants of every surface; `fans`: vertices between fans are not shared.
 void expect_sound(const FlowSurface& surface, bool fans = false) {
   const MeshTopology topology = measure_topology(surface.mesh);
   EXPECT_TRUE(topology.manifold()) << topology.nonmanifold_edges << ' ' << topology.nonmanifold_vertices;
@@ -72,7 +72,7 @@ void expect_sound(const FlowSurface& surface, bool fans = false) {
     EXPECT_NEAR(norm(p.normal), 1, 1e-9) << i;
     EXPECT_TRUE(seen.emplace(p.particle, p.t).second || fans) << i;
   }
-  // Sides of normals and of triangles agree.
+  // Normals agree with the orientation of the triangles.
   double against = 0;
   for (const Triangle& t : surface.mesh.triangles) {
     const Vec3 n = cross(surface.points[t[1]].position - surface.points[t[0]].position,
@@ -97,7 +97,7 @@ TEST(FlowSurface, RotationSweepsADiscAndReturns) {
   const FlowSurface disc = surface_of("rotation", seed_line({0.5, 0, 0}, {1.5, 0, 0}), options);
   expect_sound(disc);
   const auto by_front = fronts(disc);
-  // Chords of a circle cut off the square of the step over 24, to first order in it.
+  // Chords of a circle cut off the square of the step over 24, to first order.
   const double step = 2 * kHalfTurn / static_cast<double>(by_front.size() - 1);
   EXPECT_NEAR(area(disc), kHalfTurn * (1.5 * 1.5 - 0.5 * 0.5) * (std::sin(step) / step), 1e-6);
   for (const FlowPoint& p : disc.points) {
@@ -115,7 +115,7 @@ TEST(FlowSurface, RotationSweepsADiscAndReturns) {
 }
 
 /// (x, y) -> (x eᵗ, y e⁻ᵗ).
-/// Of triangles: as long as a gap may be and a particle may go, and what slow ones lag behind.
+/// Edges are at most as long as the largest gap plus the largest step plus the lag of slow particles.
 void expect_short_edges(const FlowSurface& surface) {
   for (const Triangle& t : surface.mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
@@ -144,7 +144,7 @@ TEST(FlowSurface, SaddleStretchesAndGapsAreFilled) {
   expect_short_edges(surface);
 }
 
-/// On the axis 300 times as fast as at the side.
+/// 300 times as fast on the axis as at the side.
 class JetFlow final : public VectorField {
  public:
   Box3 bounds() const override { return {{-1, -2, -1}, {8, 2, 1}}; }
@@ -162,19 +162,19 @@ TEST(FlowSurface, FastParticlesHaveAsManyPointsAsTheyNeed) {
   expect_sound(surface);
   expect_short_edges(surface);
   EXPECT_EQ(surface.report.tears, 0u);
-  // All of what is swept is there, and where the flow is slow points are not as near as fronts are.
+  // The whole swept area is present, and in slow regions points are not as close as fronts.
   const double swept = 2 * (0.02 + 3 * std::sqrt(kHalfTurn / 40));
   EXPECT_NEAR(area(surface), swept, 0.02 * swept);
   EXPECT_LT(static_cast<double>(surface.points.size()), 8 * swept / std::pow(surface.report.spacing, 2));
 }
 
-/// Beside the saddle the two sides part.
+/// The two sides separate at the saddle.
 TEST(FlowSurface, TearsWhereNeighboursPart) {
   FlowSurfaceOptions options = surface_for(8, 34);
   const FlowSurface surface = surface_of("saddle", seed_line({-0.5, 1, 0}, {0.5, 1, 0}), options);
   expect_sound(surface);
   EXPECT_GE(surface.report.tears, 1u);
-  // Neighbours on a front that a triangle joins are near.
+  // Neighbours on a front that share a triangle are near.
   for (const Triangle& t : surface.mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k) {
       const FlowPoint &a = surface.points[t[k]], &b = surface.points[t[(k + 1) % 3]];
@@ -182,17 +182,17 @@ TEST(FlowSurface, TearsWhereNeighboursPart) {
         EXPECT_LE(norm(a.position - b.position), 2.01 * surface.report.spacing);
       }
     }
-  // A surface that may grow as it likes does not tear.
+  // With unlimited growth the surface does not tear.
   options.beta = 1e9, options.duration = 3;
   EXPECT_EQ(surface_of("saddle", seed_line({-0.5, 1, 0}, {0.5, 1, 0}), options).report.tears, 0u);
 }
 
-/// A surface of each kind of flow: exact ones, and of those that stretch, fold and part what is around.
+/// A surface of each kind of flow: exact ones, and stretching, folding and separating ones.
 struct Example {
   const char* flow;
   SeedCurve curve;
   FlowSurfaceOptions options;
-  std::vector<Vec3> tears;  ///< places, about
+  std::vector<Vec3> tears;  ///< approximate positions
   FlowSurface surface;
 };
 
@@ -205,7 +205,7 @@ std::vector<Example> make_examples() {
     all.push_back({flow, curve, options, std::move(tears), surface_of(flow, curve, options)});
   };
   const auto stream = FlowSurfaceKind::stream, path = FlowSurfaceKind::path;
-  // The particles in the middle are left behind by those on both sides.
+  // The particles in the middle fall behind those on both sides.
   add("saddle", seed_line({-0.5, 1, 0}, {0.5, 1, 0}), stream, 5, 2, {{}, {}});
   add("saddle", seed_line({-0.5, 1, 0}, {0.5, 1.2, 0.3}), path, 5, 3, {{0, 0, 0.15}, {0, 0, 0.15}});
   add("past-sphere", seed_line({-3, -1.2, 0}, {-3, 1.3, 0}), stream, 8, 2, {{-1, 0, 0}, {-1, 0, 0}});
@@ -223,7 +223,7 @@ const std::vector<Example>& examples() {
   return all;
 }
 
-/// Where ribbons end that both neighbours go on from: in the middle of edges between particles at the rim (on one
+/// Ends of ribbons beside which both neighbours continue: midpoints of edges between particles at the rim (on one
 /// front, or nearly: slow particles keep a point for some fronts).
 std::vector<Vec3> torn_at(const FlowSurface& surface, const Box3& box) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> triangles;
@@ -288,12 +288,12 @@ TEST(FlowSurface, NoParticleIsOutsideAndNoneIsThereTwice) {
   }
 }
 
-/// Largest distance of a surface's points from where they should be, with n fronts and as many steps.
+/// Largest error of a surface's points with n fronts and as many steps.
 double error_with(std::string_view integrator, const char* flow, int n) {
   FlowSurfaceOptions options = surface_for(1.5, 17);
   options.front_step = *options.duration / n;
   options.trace.integrator = integrator;
-  // One step from front to front, about as long ones from the seed curve; no shorter ones.
+  // One step from front to front, steps of similar length from the seed curve, no shorter ones.
   options.trace.step = 3.2 * *options.front_step, options.trace.tolerance = 1e-3;
   const bool saddle = flow == std::string("saddle");
   const Vec3 a = saddle ? Vec3{-0.1, 3, 0} : Vec3{0.5, 0, 0}, b = saddle ? Vec3{0.15, 3, 0.5} : Vec3{1.5, 0, 0.3};
@@ -320,7 +320,7 @@ TEST(FlowSurface, ErrorsFallByTheOrderOfTheIntegrator) {
 
 TEST(FlowSurface, NothingCrossesTheSphere) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others make the same surfaces");
-  // One surface is draped over the sphere, the other lies in a plane through its centre and parts.
+  // One surface covers the sphere, the other is in a plane through its centre and separates.
   const SeedCurve over = seed_line({-3, -1.2, 0.03}, {-3, 1.3, 0.05}), through = seed_line({-3, -1.2, 0}, {-3, 1.3, 0});
   FlowSurfaceOptions options;
   options.seeds = 60, options.most_points = 1'000'000, options.sweep = {-0.5, 0, 0};
@@ -331,15 +331,14 @@ TEST(FlowSurface, NothingCrossesTheSphere) {
       const FlowSurface surface = surface_of("past-sphere", parts ? through : over, options);
       expect_sound(surface, kind != FlowSurfaceKind::stream);
       EXPECT_TRUE(surface.report.complete);
-      if (parts && kind != FlowSurfaceKind::time) {  // which does not reach the other side of the sphere
+      if (parts && kind != FlowSurfaceKind::time) {  // time surfaces do not reach the other side of the sphere
         EXPECT_GE(surface.report.tears, 1u);
       } else if (kind == FlowSurfaceKind::stream) {
         EXPECT_EQ(surface.report.tears, 0u);
         EXPECT_EQ(measure_topology(surface.mesh).euler, 1);
       }
       for (const FlowPoint& p : surface.points) EXPECT_GE(norm(p.position), 1 - 1e-9);
-      // Chords between places on a sphere of radius one, such as those of a path along it, reach 1/8 of their square
-      // below it.
+      // Chords between points on a unit sphere, such as those of a path along it, reach 1/8 of their square below it.
       for (const Triangle& t : surface.mesh.triangles) {
         const Vec3 &a = surface.points[t[0]].position, &b = surface.points[t[1]].position,
                    &c = surface.points[t[2]].position;
@@ -372,7 +371,7 @@ TEST(FlowSurface, ClosedCurvesMakeTubes) {
   EXPECT_EQ(topology.euler, 0);
   EXPECT_EQ(topology.components, 1u);
   for (const FlowPoint& p : tube.points) {
-    // Turned back and lowered again it is the circle.
+    // Rotated back and lowered again it is the circle.
     const Vec3 back{p.position.x * std::cos(p.t) + p.position.y * std::sin(p.t),
                     p.position.y * std::cos(p.t) - p.position.x * std::sin(p.t), p.position.z - p.t};
     EXPECT_NEAR(norm(back - Vec3{1, 0, 0}), 0.3, 1e-3);
@@ -387,7 +386,7 @@ TEST(FlowSurface, ClosedCurvesMakeTubes) {
   }
 }
 
-/// Also where particles are put in and taken out, on both sides of the first one.
+/// Also where particles are inserted and removed, on both sides of the first one.
 TEST(FlowSurface, TubesStayClosedAsTheyStretch) {
   for (const char* flow : {"abc", "saddle"}) {
     SCOPED_TRACE(flow);
@@ -406,14 +405,14 @@ TEST(FlowSurface, PathSurfacesOfSteadyFlowsAreStreamSurfaces) {
   const SeedCurve curve = seed_line({0.5, 1, 0.2}, {1.5, 1.2, 0.8});
   FlowSurfaceOptions options = surface_for(2, 30);
   const FlowSurface stream = surface_of("abc", curve, options);
-  options.kind = FlowSurfaceKind::path, options.start = 17.25;  // whatever the clock says
+  options.kind = FlowSurfaceKind::path, options.start = 17.25;  // independent of the start
   const FlowSurface path = surface_of("abc", curve, options);
   expect_sound(path);
   ASSERT_EQ(path.points.size(), stream.points.size());
   EXPECT_EQ(path.mesh.triangles, stream.mesh.triangles);
   for (std::size_t i = 0; i < path.points.size(); ++i)
     EXPECT_LT(norm(path.points[i].position - stream.points[i].position), 1e-6);
-  // Of an unsteady flow they are not.
+  // In an unsteady flow they differ.
   options = surface_for(4, 30);
   const SeedCurve across = seed_line({0.9, 0.3, 0.5}, {0.9, 0.7, 0.5});
   const FlowSurface frozen = surface_of("double-gyre", across, options);
@@ -431,13 +430,13 @@ TEST(FlowSurface, StreakSurfacesOfSteadyFlowsAreStreamSurfaces) {
   for (const FlowPoint& p : streak.points) {
     const double age = 3 - p.t;
     EXPECT_LT(norm(p.position - Vec3{std::cos(age), std::sin(age), 0} * (0.5 + p.s)), 1e-6);
-    EXPECT_GT(p.normal.z, 1 - 1e-9);  // as of the stream surface
+    EXPECT_GT(p.normal.z, 1 - 1e-9);  // as for the stream surface
   }
   options.kind = FlowSurfaceKind::stream;
   EXPECT_NEAR(area(surface_of("rotation", seed_line({0.5, 0, 0}, {1.5, 0, 0}), options)), area(streak), 2e-3);
 }
 
-/// Every particle of a streak is where the path from its release leads.
+/// Every particle of a streak is on the path from its release.
 TEST(FlowSurface, StreaksAreMadeOfPaths) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others make the same surfaces");
   const auto flow = analytic_flow("double-gyre");
@@ -494,7 +493,7 @@ TEST(FlowSurface, BackwardReturns) {
   SeedCurve end;
   for (const FlowPoint* p : last) end.points.push_back(p->position);
   ASSERT_EQ(last.front()->t, 8);
-  // Each particle, put in on the way or not, to where it began.
+  // Traces each particle, inserted or not, back to its start.
   const auto flow = analytic_flow("double-gyre");
   Particles particles = particles_at(*flow, end.points, std::vector<double>(last.size(), 8.0));
   std::vector<std::uint32_t> all(last.size());
@@ -508,7 +507,7 @@ TEST(FlowSurface, BackwardReturns) {
   options.direction = FlowDirection::backward, options.start = 8, options.seeds = 200;
   const FlowSurface back = surface_of("double-gyre", end, options);
   expect_sound(back);
-  // The ends of the curve are particles of both.
+  // The ends of the curve are particles in both directions.
   const std::vector<const FlowPoint*> first = fronts(back).begin()->second;
   EXPECT_EQ(first.front()->t, 2);
   EXPECT_LT(norm(first.front()->position - a), 1e-6);
@@ -534,7 +533,7 @@ TEST(FlowSurface, BothDirectionsAreOneSurface) {
   }
 }
 
-/// Largest distance of the surface's points from where exact integration takes their seeds.
+/// Largest distance of the surface's points from exact integration of their seeds.
 double drift(FlowInsertion insertion, const char* name, const SeedCurve& curve, double duration) {
   const auto flow = analytic_flow(name);
   FlowSurfaceOptions options = surface_for(duration, 25);
@@ -572,7 +571,7 @@ TEST(FlowSurface, TracedParticlesAreExactAndInterpolatedOnesDrift) {
   EXPECT_GT(drift(FlowInsertion::interpolated, "abc", chaos, 3), 1e-3);
 }
 
-/// Steps that are off by much are off alike for all: the surface of the source's integrator does not fall apart.
+/// Integration errors are correlated between neighbours: the surface of the source's integrator does not fall apart.
 TEST(FlowSurface, SurfacesOfAllIntegratorsHoldTogether) {
   std::vector<double> areas;
   for (const std::string_view integrator : {"euler", "rk4", "dopri5"}) {
@@ -598,7 +597,7 @@ TEST(FlowSurface, NeighboursOnAStraightLineGo) {
   EXPECT_GT(surface.report.removed, 50u);
   const std::vector<const FlowPoint*> last = fronts(surface).begin()->second;
   EXPECT_NEAR(norm(last.back()->position - last.front()->position), 4 * std::exp(-2), 1e-6);
-  for (std::size_t i = 2; i < last.size(); ++i)  // nothing much finer than asked for is left
+  for (std::size_t i = 2; i < last.size(); ++i)  // nothing much finer than requested remains
     EXPECT_GT(norm(last[i]->position - last[i - 2]->position), 0.45 * surface.report.spacing);
   options.delta = 0;
   EXPECT_EQ(surface_of("saddle", curve, options).report.removed, 0u);
@@ -616,7 +615,7 @@ TEST(FlowSurface, EndsWithTheFieldAndWhereItStandsStill) {
   EXPECT_LE(farthest, 4);
   EXPECT_NEAR(farthest, 4, 1e-4);
   EXPECT_TRUE(out.report.complete);
-  // All of it: between the hyperbolas x y = 2 and 4, up to y = 2.
+  // The whole area between the hyperbolas x y = 2 and 4, up to y = 2.
   const FlowSurface flat = surface_of("saddle", seed_line({1, 2, 0}, {2, 2, 0}), options);
   expect_sound(flat);
   EXPECT_NEAR(area(flat), 2, 2e-3);
@@ -625,7 +624,7 @@ TEST(FlowSurface, EndsWithTheFieldAndWhereItStandsStill) {
   const FlowSurface rest = surface_of("saddle", seed_line({1, 0, 0}, {1, 0, 1}), options);
   expect_sound(rest);
   EXPECT_LT(rest.report.fronts, 200u);
-  // Half of the curve in the sphere.
+  // Half of the curve inside the sphere.
   const FlowSurface half = surface_of("past-sphere", seed_line({0, 0, 0.2}, {0, 0, 2.2}), surface_for(2, 30));
   expect_sound(half);
   EXPECT_GT(half.report.ends[static_cast<std::size_t>(TraceEnd::outside)], 8u);
@@ -633,7 +632,7 @@ TEST(FlowSurface, EndsWithTheFieldAndWhereItStandsStill) {
 }
 
 TEST(FlowSurface, EndsAfterFiveDiagonalsWhereNothingElseEndsIt) {
-  // Round and round for ever: the particle in the middle goes at unit speed.
+  // Endless rotation: the particle in the middle has unit speed.
   const SeedCurve curve = seed_line({0.9, 0, 0}, {1.1, 0, 0});
   const double five = 5 * analytic_flow("rotation")->bounds().diagonal();
   FlowSurfaceOptions options;
@@ -647,7 +646,7 @@ TEST(FlowSurface, EndsAfterFiveDiagonalsWhereNothingElseEndsIt) {
     EXPECT_GE(last, five * (1 - 1e-3));
     EXPECT_LE(last, five + 0.2);
   }
-  // Not sooner than asked for, and not later.
+  // Ends exactly at the requested length.
   options.length = 2, options.duration = 100;
   double last = 0;
   for (const FlowPoint& p : surface_of("rotation", curve, options).points) last = std::max(last, p.t);
@@ -687,7 +686,7 @@ TEST(FlowSurface, StopsAtItsLimits) {
   EXPECT_LE(streak.report.particles, 2500u);
 }
 
-/// Turns: slowly but within a core, thousands of times as fast as fronts can follow.
+/// A slow rotation with a core thousands of times as fast as fronts can follow.
 class CoreFlow final : public VectorField {
  public:
   Box3 bounds() const override { return {{-2, -2, -1}, {2, 2, 1}}; }
@@ -710,7 +709,7 @@ TEST(FlowSurface, EndsWhereParticlesAreFasterThanFrontsCanFollow) {
   EXPECT_GT(surface.report.fronts, 30u);
 }
 
-/// Along x: slow at first, then faster and faster.
+/// Along x: slow at first, then accelerating.
 class FasterFlow final : public VectorField {
  public:
   Box3 bounds() const override { return {{0, 0, 0}, {100, 1, 1}}; }
@@ -728,14 +727,14 @@ TEST(FlowSurface, SaysWhereMomentsAreTheSameNumber) {
     Progress progress;
     return flow_surface(FasterFlow(), seeds, options, progress);
   };
-  // At x fronts are e^-x / 2 apart, and moments 2^-33 there.
+  // At x fronts are e^-x / 2 apart, and moments 2^-33.
   options.start = 1 << 20;
   const FlowSurface ended = surface();
   EXPECT_FALSE(ended.report.complete);
   EXPECT_TRUE(ended.report.moments_meet);
   EXPECT_GT(ended.report.fronts, 30u);
   for (const FlowPoint& p : ended.points) EXPECT_LT(p.position.x, 33 * std::log(2.0) + 3);
-  // From here on no front is another moment.
+  // No later moment is representable from here on.
   options.start = 1e15, options.front_step = 1e-3;
   EXPECT_THROW(surface(), ArgumentError);
   options.duration = 1e-3;
@@ -747,10 +746,10 @@ TEST(FlowSurface, SaysWhereMomentsAreTheSameNumber) {
   }
   options.kind = FlowSurfaceKind::streak, options.duration = 0.5;
   EXPECT_THROW(surface(), ArgumentError);
-  // Numbers are 1/8 apart there: some rows would be released at the same moment, if not the first two.
+  // Numbers are 1/8 apart: some rows would be released at the same moment, if not the first two.
   options.duration = 100, options.front_step = 0.13;
   EXPECT_THROW(surface(), ArgumentError);
-  // The message names what is too small, too.
+  // The message also names values that are too small.
   options.start = 1, options.duration = 1e-17;
   try {
     surface();

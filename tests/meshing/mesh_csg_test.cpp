@@ -1,4 +1,4 @@
-// Solids to meshes: closed, with the volumes that formulas say.
+// Meshes of solids: closed, with the volumes of closed formulas.
 #include "sansmesh/meshing/mesh_csg.h"
 
 #include <fmt/core.h>
@@ -129,7 +129,7 @@ TEST(MeshCsg, TouchingParts) {
 TEST(MeshCsg, BoxesFollowTheSolidThatIsLeft) {
   CsgMeshReport report;
   meshed(parsed("box(from=(0,0,0), to=(10,1,1)) - box(from=(1,-1,-1), to=(11,2,2))"), {}, report);
-  // What is left is a cube of edge 1, found on a grid of 32 blocks along the 10 of the whole: at most one too far.
+  // The rest is a cube of edge 1, found on a grid of 32 blocks along the 10 of the whole: at most one block too far.
   EXPECT_LE(report.box.upper.x, 1 + 10.0 / 32);
   EXPECT_NEAR(report.volume, 1, 1e-6);
   meshed(parsed("sphere(1)"), {.resolution = 32}, report);
@@ -168,7 +168,7 @@ TEST(MeshCsg, FieldsOfOthers) {
   EXPECT_TRUE(report.closed);
   EXPECT_EQ(report.components, 1u);
   EXPECT_LT(report.volume, 4 * kPi / 3 / std::sqrt(3));
-  // A field whose pieces are known, but which is no Solid.
+  // A field of known pieces that is not a Solid.
   class Wedge final : public PiecewiseField {
    public:
     Box3 bounds() const override { return {{-1, -1, -1}, {1, 1, 1}}; }
@@ -207,7 +207,7 @@ TEST(MeshCsg, UnboundedSolidsNeedABox) {
     }
     return "";
   };
-  // A half-space ends on one side only: the message names the other five, and what to do.
+  // A half-space is bounded on one side only: the message names the other five, and the remedy.
   EXPECT_EQ(
       message("plane(z)", {}),
       "the solid is not known to end in the directions -x, +x, -y, +y, -z: intersect it with a box, or give a `box` "
@@ -225,7 +225,7 @@ TEST(MeshCsg, UnboundedSolidsNeedABox) {
   EXPECT_NE(message("sphere(1)", {.cell = -1}).find("above 0"), std::string::npos);
   EXPECT_NE(message("sphere(1)", {.resolution = 1}).find("from 4 to 4096"), std::string::npos);
   EXPECT_NE(message("sphere(1)", {.box = Box3{{0, 0, 0}, {1, 0, 1}}}).find("in y"), std::string::npos);
-  EXPECT_EQ(message("sphere(1)", {.cell = 5}), "");  // coarse, but it has an end
+  EXPECT_EQ(message("sphere(1)", {.cell = 5}), "");  // coarse, but not empty
 
   ASSERT_EQ(message("~sphere(0.5)", {.resolution = 48, .box = box}), "");
   EXPECT_TRUE(report.closed);
@@ -267,7 +267,7 @@ std::size_t flat_triangles(const TriangleMesh& mesh) {
   return count;
 }
 
-// At 24 cells the first mesh used to have strips of triangles without area along an edge, and these opened.
+// At 24 cells the first mesh once had strips of triangles without area along an edge, which opened.
 TEST(MeshCsg, WedgesStayWedges) {
   const Solid solid = parsed("plane((0.6,0.8,0)) & plane((0.6,-0.8,0)) & box(1)");
   for (const int resolution : {12, 17, 24, 31}) {
@@ -286,7 +286,7 @@ TEST(MeshCsg, WedgesStayWedges) {
   }
 }
 
-/// Blocks are small along curved parts only: where all is flat a few large ones do, and hardly any triangles are left.
+/// Blocks are small along curved parts only: flat parts use few large ones, and almost no triangles remain.
 TEST(MeshCsg, BlocksFollowTheSolid) {
   struct Case {
     const char* text;
@@ -307,7 +307,7 @@ TEST(MeshCsg, BlocksFollowTheSolid) {
   }
 }
 
-/// Thin parts lie between all points at which large blocks are sampled, and are found nevertheless.
+/// Thin parts between all sample points of large blocks are still found.
 TEST(MeshCsg, LargeBlocksMissNothingThin) {
   struct Case {
     const char* text;
@@ -332,8 +332,8 @@ TEST(MeshCsg, LargeBlocksMissNothingThin) {
   }
 }
 
-/// By default blocks are small enough for thin parts, only there. Of what is thinner than cells that were asked for a
-/// warning tells.
+/// Default blocks are small enough for thin parts, and only there. A warning reports parts thinner than requested
+/// cells.
 TEST(MeshCsg, BlocksFollowThinParts) {
   SANSMESH_NOT_SANITIZED("judges sizes; others mesh thin walls");
   struct Case {
@@ -367,7 +367,7 @@ TEST(MeshCsg, BlocksFollowThinParts) {
   meshed(ball, {.cell = 0.004}, report);
   EXPECT_TRUE(report.warnings.empty());
   EXPECT_EQ(report.components, 2u);
-  // What no tree of blocks reaches is one error, with the remedy.
+  // Parts beyond any tree of blocks are a single error, with the remedy.
   try {
     meshed(parsed("box(2) - sphere(1e-5)"), {}, report);
     FAIL();
@@ -381,12 +381,12 @@ TEST(MeshCsg, BlocksFollowThinParts) {
 
 double ball_volume(double r) { return 4 * kPi / 3 * r * r * r; }
 
-/// The mesh error is a share of the box, however thin the solid is: what is flat has none.
+/// The mesh error is relative to the box, however thin the solid is: flat parts have none.
 TEST(MeshCsg, LongBoxesAreExact) {
   CsgMeshReport report;
   for (const double length : {1e3, 1e5, 1e6}) {
     meshed(parsed("box((" + std::to_string(length) + ", 1, 1))"), {}, report);
-    EXPECT_NEAR(report.volume / length, 1, 1e-9 * length);  // faces are where they are to 1e-10 of the length
+    EXPECT_NEAR(report.volume / length, 1, 1e-9 * length);  // faces are exact to 1e-10 of the length
     EXPECT_NEAR(report.area / (4 * length + 2), 1, 1e-9 * length);
   }
   // Faces of two parts in one plane.
@@ -400,7 +400,7 @@ TEST(MeshCsg, LongBoxesAreExact) {
   }
 }
 
-/// With the cells that they choose themselves.
+/// With default cells.
 TEST(MeshCsg, TipsAndDimples) {
   CsgMeshReport report;
   meshed(parsed("cone(r=0.5, h=1)"), {}, report);
@@ -413,8 +413,8 @@ TEST(MeshCsg, TipsAndDimples) {
   EXPECT_TRUE(report.closed);
 }
 
-/// Where balls touch, nearly touch or cross at small angles, simplified sheets come to cross: what is left alone there
-/// is little, and the rest has as few triangles as elsewhere.
+/// Where balls touch, nearly touch or cross at small angles, simplified sheets may cross: only a small part remains
+/// unsimplified, and the rest has as few triangles as elsewhere.
 TEST(MeshCsg, BallsThatNearlyTouchAreSimplified) {
   SANSMESH_NOT_SANITIZED("judges meshes; others simplify, too");
   std::mt19937 random(3);
@@ -451,7 +451,7 @@ TEST(MeshCsg, BallsThatNearlyTouchAreSimplified) {
   EXPECT_LT(mesh.triangles.size(), 6000 * balls.size());
 }
 
-/// Cells that hold one piece have a polygon, not those of all their simplices.
+/// Cells with one piece have a polygon instead of the triangles of their simplices.
 TEST(MeshCsg, SmoothPartsHaveAPolygonInEachCell) {
   CsgMeshOptions options;
   options.cell = 0.1, options.simplify = 0;
@@ -513,7 +513,7 @@ TEST(MeshCsg, WallsOfAnyThickness) {
   }
 }
 
-/// Faces that coincide are one, turned or not.
+/// Coincident faces are one, in either orientation.
 TEST(MeshCsg, FacesThatCoincide) {
   struct Case {
     const char* text;
@@ -540,7 +540,7 @@ TEST(MeshCsg, FacesThatCoincide) {
                DataError);
 }
 
-/// Parts that touch are joined wherever they stand in the tree: a union that is cut, what is cut of a part of one.
+/// Touching parts are joined anywhere in the expression: in a clipped union, or in a cut part of one.
 TEST(MeshCsg, TouchingPartsOfParts) {
   struct Case {
     const char* solid;
@@ -563,23 +563,25 @@ TEST(MeshCsg, TouchingPartsOfParts) {
   }
 }
 
-/// What is flat in many places only is no plane: a large rounded box beside a small one with a face in its plane.
+/// Parts that are flat in many places only are no planes: a large rounded box beside a small one with a face in its
+/// plane.
 TEST(MeshCsg, RoundedBoxesAreNotTheirFaces) {
   const std::string rounded = "box(from=(-20,-0.9,-20),to=(20,20,-0.5),r=0.3)";
   CsgMeshReport alone, beside;
   meshed(parsed("box(2) - " + rounded), {}, alone);
   meshed(parsed("box(2) - box(from=(0.5,0.5,-2),to=(0.9,0.9,-0.5)) - " + rounded), {}, beside);
-  // Less a slab of half the height but for a strip of .1, and the corner of a square that its rounding leaves.
+  // The cube minus a slab of half the height except for a strip of .1, and the corner of a square removed by its
+  // rounding.
   const double left = 8 - 2 * 0.5 * 1.9 + 2 * (1 - kPi / 4) * 0.3 * 0.3;
   EXPECT_NEAR(alone.volume, left, 1e-4);
   EXPECT_NEAR(beside.volume, left, 1e-4);
 }
 
-/// Any number of faces in one plane are one: a star of 80 points, of 20 boxes turned about an axis.
+/// Any number of faces in one plane are one: a star of 80 points, of 20 boxes rotated about an axis.
 TEST(MeshCsg, ManyFacesInOnePlane) {
   std::string boxes;
   for (int k = 0; k < 20; ++k) boxes += fmt::format("{}rotate(box(2),{},axis=z)", k ? "+" : "", 4.5 * k);
-  // From the middle: 160 triangles between a point of the star, a notch beside it and the axis.
+  // From the centre: 160 triangles between a point of the star, an adjacent notch and the axis.
   const double half = kPi / 80, point = std::sqrt(2.0), notch = 1 / std::cos(kPi / 4 - half);
   const double volume = 2 * 160 * 0.5 * point * notch * std::sin(half);
   for (const std::string& text : {boxes, fmt::format("rotate({},33,axis=(1,2,3))", boxes)}) {
@@ -602,12 +604,12 @@ std::string pyramid(int sides) {
   return text + "box(from=(-2,-2,0), to=(2,2,2))";
 }
 
-/// A hundred faces meet in the tip of a pyramid, forty in an edge of boxes that are turned about it.
+/// A hundred faces meet in the tip of a pyramid, forty in an edge shared by rotated boxes.
 TEST(MeshCsg, ManyFacesInOnePlace) {
   std::string fan;
   for (int k = 0; k < 20; ++k)
     fan += fmt::format("{}rotate(box(from=(0,0,0),to=(1,1,1)),{},axis=z)", k ? "+" : "", 4.5 * k);
-  // Of the fan: half of the first and last squares, and in between 38 triangles as of the star above.
+  // The fan: half of the first and last squares, and 38 triangles in between as for the star above.
   const double half = kPi / 80, point = std::sqrt(2.0), notch = 1 / std::cos(kPi / 4 - half);
   struct Case {
     std::string text;
@@ -622,7 +624,7 @@ TEST(MeshCsg, ManyFacesInOnePlace) {
     EXPECT_NEAR(report.volume / c.volume, 1, 1e-5) << c.text;
     EXPECT_LE(report.blocks, 100'000u) << c.text;
   }
-  // Neighbours of a prism of many sides part nowhere: no smaller blocks than for one of few.
+  // Adjacent faces of a prism with many sides do not separate: its blocks are no smaller than for few sides.
   std::string prism = "box(4)";
   for (int k = 0; k < 200; ++k)
     prism +=
@@ -639,7 +641,7 @@ TEST(MeshCsg, ManyFacesInOnePlace) {
   }
 }
 
-/// As many triangles as the error asks for.
+/// The number of triangles follows from the error.
 TEST(MeshCsg, TrianglesFollowTheMeshError) {
   const Solid solid = parsed("sphere(1)");
   CsgMeshReport report, coarse, fine;
@@ -659,8 +661,8 @@ TEST(MeshCsg, TrianglesFollowTheMeshError) {
   EXPECT_TRUE(coarse.closed);
 }
 
-/// Blocks halve from the root on, which is as large as makes them fit: here they may be just a little smaller than
-/// twice what halves of the box would be.
+/// Blocks halve from the root, whose size is adapted: here they may be slightly smaller than twice the size that
+/// halving the box would give.
 TEST(MeshCsg, TheRootFollowsWhatCurvedPartsAllow) {
   std::string text = "box(4, 4, 1)";
   for (const char* x : {"-1.5", "-0.5", "0.5", "1.5"})
@@ -676,7 +678,7 @@ TEST(MeshCsg, TheRootFollowsWhatCurvedPartsAllow) {
   EXPECT_LT(report.mean_error, 2e-5 * std::sqrt(33.0));
 }
 
-/// Two of these balls nearly touch, so that triangles cross once they are simplified: what is made again is only there.
+/// Two of these balls nearly touch, so that triangles cross after simplification: only that region is remade.
 TEST(MeshCsg, WhereTrianglesCrossOnlyThatIsMadeAgain) {
   const Solid balls = parsed(
       "union(sphere(0.178, center=(0.589,0.206,-0.404)), "
