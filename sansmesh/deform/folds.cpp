@@ -130,8 +130,8 @@ FoldReport find_folds(const SpaceMap& map, const Box3& box, const std::array<std
 namespace {
 
 constexpr ReportRow kFoldRows[] = {
-    reported<&Fold::center>({.text = "Middle of the fold", .unit = "length"}),
-    reported<&Fold::share>({.text = "Share of the volume that is folded there", .unit = "share"})};
+    reported<&Fold::center>({.text = "Centre of the fold", .unit = "length"}),
+    reported<&Fold::share>({.text = "Share of the volume in this fold", .unit = "share"})};
 
 }  // namespace
 
@@ -143,7 +143,7 @@ const ReportSchema& Fold::schema() {
 namespace {
 
 constexpr ReportRow kFoldReportRows[] = {
-    reported<&FoldReport::share>({.name = "folded", .text = "Share of the volume that is folded", .unit = "share"}),
+    reported<&FoldReport::share>({.name = "folded", .text = "Folded share of the volume", .unit = "share"}),
     reported<&FoldReport::folds>({.text = "Folds, the largest first"})};
 
 }  // namespace

@@ -79,10 +79,10 @@ TriangleMesh open_along_cuts(TriangleMesh mesh, std::span<const std::shared_ptr<
 namespace {
 
 constexpr ReportRow kOpenMeshReportRows[] = {
-    reported<&OpenMeshReport::edges>({.text = "Edges along which it was opened"}),
+    reported<&OpenMeshReport::edges>({.text = "Edges along which the mesh was opened"}),
     reported<&OpenMeshReport::faces>({.text = "Triangles of cut faces"}),
-    reported<&OpenMeshReport::unopened>({.text = "Triangles that were left whole"}),
-    reported<&OpenMeshReport::unclosed>({.text = "Cuts that left something open"})};
+    reported<&OpenMeshReport::unopened>({.text = "Triangles that could not be opened"}),
+    reported<&OpenMeshReport::unclosed>({.text = "Cuts that left the mesh open"})};
 
 }  // namespace
 

@@ -109,15 +109,15 @@ std::unique_ptr<BodyStepper> make_stepper() {
 
 constexpr BodyIntegrator kExplicit[] = {
     {.name = "explicit-euler",
-     .summary = "Euler's, of first order",
+     .summary = "explicit Euler method, first order",
      .make = make_stepper<EulerStepper>,
      .stable_step = stable_for_euler},
     {.name = "verlet",
-     .summary = "Störmer's, by positions: damped by the velocity of half a step ago",
+     .summary = "Störmer's method on positions; damping uses the velocity half a step earlier",
      .make = make_stepper<VerletStepper>,
      .stable_step = stable_for_verlet},
     {.name = "velocity-verlet",
-     .summary = "damped by velocities at the same moment",
+     .summary = "damping uses the velocity of the same moment",
      .make = make_stepper<VelocityVerletStepper>,
      .stable_step = stable_for_velocity_verlet}};
 

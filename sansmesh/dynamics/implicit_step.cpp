@@ -255,7 +255,7 @@ namespace {
 
 constexpr BodyIntegrator kImplicit[] = {
     {.name = "implicit-euler",
-     .summary = "Baraff and Witkin's, for stiff bodies and long steps",
+     .summary = "Baraff and Witkin's method, for stiff bodies and long steps",
      .make = []() -> std::unique_ptr<BodyStepper> { return std::make_unique<ImplicitStepper>(); },
      .is_implicit = true}};
 

@@ -173,10 +173,10 @@ void SoftBody::set_state(std::span<const Vec3> positions, std::span<const Vec3> 
 namespace {
 
 constexpr ReportRow kBodyEnergiesRows[] = {
-    reported<&BodyEnergies::kinetic>({.text = "Energy of motion", .unit = "J"}),
-    reported<&BodyEnergies::elastic>({.text = "Energy of what is stretched", .unit = "J"}),
-    reported<&BodyEnergies::gravity>({.text = "Energy of height", .unit = "J"}),
-    reported<&BodyEnergies::total>({.text = "Sum of all", .unit = "J"})};
+    reported<&BodyEnergies::kinetic>({.text = "Kinetic energy", .unit = "J"}),
+    reported<&BodyEnergies::elastic>({.text = "Elastic energy", .unit = "J"}),
+    reported<&BodyEnergies::gravity>({.text = "Potential energy of gravity", .unit = "J"}),
+    reported<&BodyEnergies::total>({.text = "Total energy", .unit = "J"})};
 
 }  // namespace
 

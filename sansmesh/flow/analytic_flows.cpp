@@ -123,17 +123,17 @@ struct Known {
 };
 
 const std::array kKnown{
-    Known{{"rotation", "rigid rotation about the z axis, once in 2π", false}, rotation, {{-2, -2, -2}, {2, 2, 2}}},
-    Known{{"helix", "the same, rising by one in a unit of time", false}, helix, {{-2, -2, -20}, {2, 2, 20}}},
+    Known{{"rotation", "rigid rotation about the z axis, period 2π", false}, rotation, {{-2, -2, -2}, {2, 2, 2}}},
+    Known{{"helix", "rotation, rising by one per unit of time", false}, helix, {{-2, -2, -20}, {2, 2, 20}}},
     Known{{"saddle", "(x, -y, 0): away from x = 0, towards y = 0", false}, saddle, {{-4, -4, -4}, {4, 4, 4}}},
     Known{{"abc", "Arnold-Beltrami-Childress flow, chaotic", false},
           abc,
           {{-2 * kPi, -2 * kPi, -2 * kPi}, {4 * kPi, 4 * kPi, 4 * kPi}}},
-    Known{{"double-gyre", "two gyres with a border that swings, period 10", true}, double_gyre, {{0, 0, 0}, {2, 1, 1}}},
-    Known{{"tornado", "a leaning column that turns, rises and wanders", true}, tornado, {{0, 0, 0}, {1, 1, 1}}},
-    Known{{"past-sphere", "a stream past a sphere of radius one, without friction", false},
-          past_sphere,
-          {{-4, -4, -4}, {4, 4, 4}}}};
+    Known{
+        {"double-gyre", "two gyres with an oscillating border, period 10", true}, double_gyre, {{0, 0, 0}, {2, 1, 1}}},
+    Known{{"tornado", "a leaning, moving column that rotates and rises", true}, tornado, {{0, 0, 0}, {1, 1, 1}}},
+    Known{
+        {"past-sphere", "potential flow past a sphere of radius one", false}, past_sphere, {{-4, -4, -4}, {4, 4, 4}}}};
 
 const std::array<AnalyticFlow, kKnown.size()> kFlows = [] {
   std::array<AnalyticFlow, kKnown.size()> flows{};

@@ -45,7 +45,7 @@ void dormand_prince_step(ParticleStep& step) {
 }
 
 constexpr FlowIntegrator kDormandPrince[] = {{.name = "dopri5",
-                                              .summary = "Dormand and Prince's, fifth order, by the tolerance",
+                                              .summary = "Dormand-Prince, fifth order, adaptive",
                                               .step = dormand_prince_step,
                                               .order = 5,
                                               .adaptive = true,

@@ -223,19 +223,19 @@ class LineMaker {
 const OptionSchema& FlowLineOptions::schema() {
   using O = FlowLineOptions;
   static const OptionRow rows[] = {
-      option<&O::kind, LineKind>({.text = "stream or path: where particles go; streak: dye from each seed; time: the "
-                                          "seeds' curve as it moves",
-                                  .choices = kLineKinds}),
+      option<&O::kind, LineKind>(
+          {.text = "stream or path: trajectories; streak: dye from each seed; time: the moving curve of the seeds",
+           .choices = kLineKinds}),
       option<&O::direction>(kDirectionFacts),
       option<&O::start>(kStartFacts),
       option<&O::duration>(kDurationFacts),
-      option<&O::length>({.text = "How long lines are at most",
+      option<&O::length>({.text = "Largest length of a line",
                           .unit = "length",
                           .from_data = "five diagonals, without `duration`",
                           .range = positive()}),
-      option<&O::interval>({.text = "Between particles of a streak, or between time lines",
+      option<&O::interval>({.text = "Time between particles of a streak, or between time lines",
                             .unit = "duration",
-                            .from_data = "a hundredth, a tenth of the time",
+                            .from_data = "a hundredth or a tenth of the duration",
                             .range = positive()}),
       option_group<&O::trace>(TraceOptions::schema().rows)};
   static const OptionSchema schema{rows};
@@ -322,9 +322,9 @@ ReportCounts counted_ends(const FlowLineReport& report) {
 
 constexpr ReportRow kFlowLineReportRows[] = {
     reported<&FlowLineReport::seeds>({.name = "seeds.count", .text = "Seeds"}),
-    reported<&FlowLineReport::outside>({.name = "seeds.outside", .text = "Seeds out of the flow"}),
+    reported<&FlowLineReport::outside>({.name = "seeds.outside", .text = "Seeds outside the flow"}),
     reported<[](const FlowLineReport& r) { return counted_ends(r); }>(
-        {.name = "ends", .text = "Reasons for which lines ended"}),
+        {.name = "ends", .text = "Numbers of lines by reason of their end"}),
     reported<&FlowLineReport::longest>(
         {.name = "output.longest", .text = "Length of the longest line", .unit = "length"})};
 

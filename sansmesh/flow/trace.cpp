@@ -315,19 +315,21 @@ std::string reach_words() {
 const OptionSchema& TraceOptions::schema() {
   using O = TraceOptions;
   using Words = RegistryWords<FlowIntegrator>;
-  static const std::string integrators = "Steps of particles: " + registry_summaries<FlowIntegrator>(),
+  static const std::string integrators = "Integrator of particles: " + registry_summaries<FlowIntegrator>(),
                            reaches = reach_words(),
                            steps = "Of " + integrators_that(false) + ", and at most of " + integrators_that(true);
   static const OptionRow rows[] = {
       option<&O::integrator, Words>({.text = integrators, .choices = Words::names()}),
-      option<&O::tolerance>(
-          {.text = "Error of a step", .unit = "length", .from_data = "1e-5 of the diagonal", .range = positive()}),
+      option<&O::tolerance>({.text = "Accepted error of a step",
+                             .unit = "length",
+                             .from_data = "1e-5 of the diagonal",
+                             .range = positive()}),
       option<&O::step>(
           {.text = steps, .unit = "length", .from_data = reaches, .range = positive(), .name = "step_length"}),
-      option<&O::least_speed>({.text = "Slower ones have arrived; 0: of lines 1e-6 of the seeds' median",
+      option<&O::least_speed>({.text = "Speed below which particles end; 0: for lines 1e-6 of the seeds' median",
                                .unit = "speed",
                                .range = at_least(0)}),
-      option<&O::most_steps>({.text = "Of a particle", .range = at_least(1)})};
+      option<&O::most_steps>({.text = "Largest number of steps of a particle", .range = at_least(1)})};
   static const OptionSchema schema{rows};
   return schema;
 }

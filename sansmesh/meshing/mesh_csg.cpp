@@ -340,26 +340,24 @@ const OptionSchema& CsgMeshOptions::schema() {
                               .unit = "length",
                               .from_data = "a 50,000th of the box's diagonal; with functions less",
                               .range = positive()}),
-      option<&O::triangles>({.text = "At most this many triangles; `mesh_error` then follows from it",
+      option<&O::triangles>({.text = "Largest number of triangles; `mesh_error` then follows from it",
                              .unit = "count",
                              .range = at_least(4)}),
       option<&O::resolution>(
-          {.text = "Instead: cells along the longest side of the box",
+          {.text = "Number of cells along the longest side of the box, instead of `cell`",
            .unit = "count",
-           .from_data = "as small as the mesh error and thin parts ask for; with functions the box's diagonal has 256, "
-                        "up to 1024",
+           .from_data = "from the mesh error and thin parts; with functions 256 to 1024 on the box's diagonal",
            .range = {4, kMostCells}}),
-      option<&O::cell>(
-          {.text = "Edge of the cells instead", .unit = "length", .range = positive(), .excludes = "resolution"}),
-      option<&O::box>({.text = "Cut off at this box: x0,y0,z0,x1,y1,z1; for unbounded solids", .unit = "box"}),
-      option<&O::simplify>({.text = "Fewer triangles where the surface is flat to within this; 0: nowhere",
+      option<&O::cell>({.text = "Edge of the cells", .unit = "length", .range = positive(), .excludes = "resolution"}),
+      option<&O::box>({.text = "Clip to this box: x0,y0,z0,x1,y1,z1; required for unbounded solids", .unit = "box"}),
+      option<&O::simplify>({.text = "Simplify where the surface is flat to within this; 0: off",
                             .unit = "length",
-                            .from_data = "as the mesh error asks for",
+                            .from_data = "from the mesh error",
                             .range = at_least(0)}),
-      option<&O::components>({.text = "Parts to keep: auto (those of at least 1.5 % of the largest one's area), all, "
-                                      "largest or a number",
-                              .unit = "choice",
-                              .from_data = "auto with functions, otherwise all"})};
+      option<&O::components>(
+          {.text = "Components to keep: auto (at least 1.5 % of the largest one's area), all, largest or a number",
+           .unit = "choice",
+           .from_data = "auto with functions, otherwise all"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -395,7 +393,7 @@ namespace {
 
 constexpr ReportRow kCsgMeshReportRows[] = {
     reported<[](const CsgMeshReport& r) { return r.box.lower; }>(
-        {.name = "box.lower", .text = "Lower corner of the box in which the surface lies", .unit = "length"}),
+        {.name = "box.lower", .text = "Lower corner of the bounding box of the surface", .unit = "length"}),
     reported<[](const CsgMeshReport& r) { return r.box.upper; }>(
         {.name = "box.upper", .text = "Upper corner of that box", .unit = "length"}),
     reported<&CsgMeshReport::cell>({.text = "Edge of the smallest blocks", .unit = "length"}),

@@ -147,8 +147,8 @@ SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
 const OptionSchema& ProjectToSurface::schema() {
   using O = ProjectToSurface;
   static constexpr OptionRow rows[] = {
-      option<&O::most_steps>({.text = "Steps of a point at most", .range = {1, 1000}, .old_name = "steps"}),
-      option<&O::tolerance>({.text = "A point stops after a step shorter than this ratio to the spacing",
+      option<&O::most_steps>({.text = "Largest number of steps per point", .range = {1, 1000}, .old_name = "steps"}),
+      option<&O::tolerance>({.text = "A point stops after a step shorter than this, over the spacing",
                              .unit = "ratio",
                              .range = {1e-6, 1}})};
   static constexpr OptionSchema schema{rows};
@@ -270,12 +270,12 @@ namespace {
 
 constexpr ReportRow kSurfaceProjectionRows[] = {
     reported<&SurfaceProjection::mean_move>(
-        {.name = "moved.mean", .text = "How far points moved on average", .unit = "length"}),
+        {.name = "moved.mean", .text = "Mean displacement of the points", .unit = "length"}),
     reported<&SurfaceProjection::rms_move>(
-        {.name = "moved.rms", .text = "How far points moved, root mean square", .unit = "length"}),
+        {.name = "moved.rms", .text = "Displacement of the points, root mean square", .unit = "length"}),
     reported<&SurfaceProjection::largest_move>(
-        {.name = "moved.largest", .text = "How far the point moved that moved most", .unit = "length"}),
-    reported<&SurfaceProjection::left_out>({.text = "Points that were too far from the samples"})};
+        {.name = "moved.largest", .text = "Largest displacement of a point", .unit = "length"}),
+    reported<&SurfaceProjection::left_out>({.text = "Points too far from the samples"})};
 
 }  // namespace
 

@@ -199,10 +199,10 @@ std::vector<Vec3> SurfaceModel::seeds() const {
 namespace {
 
 constexpr ReportRow kSurfaceReportRows[] = {
-    reported<&SurfaceReport::method>({.text = "Method, by name"}),
+    reported<&SurfaceReport::method>({.text = "Name of the method"}),
     reported<&SurfaceReport::spacing>({.text = "Spacing of the samples", .unit = "length"}),
     reported<&SurfaceReport::noise>({.text = "Noise of the samples", .unit = "length"}),
-    reported<&SurfaceReport::smoothing>({.text = "Median width of the weights; 0 without any", .unit = "spacings"}),
+    reported<&SurfaceReport::smoothing>({.text = "Median width of the weights; 0 without weights", .unit = "spacings"}),
     reported<&SurfaceReport::order>({.text = "Order of the approximation, of amls"}),
     reported<&SurfaceReport::iterations>({.text = "Iterations of the approximation, of amls"})};
 
