@@ -40,7 +40,7 @@ DeformHandle checked_handle(const Handle& h, std::size_t number) {
     out.along_p = *h.p_end - h.p, out.along_q = *h.q_end - h.q;
     out.segment = out.along_q != Vec3{};
     if (!out.segment && out.along_p != Vec3{})
-      fail("`q_end` is at `q` though `p_end` is not at `p`: a segment cannot come out of a point");
+      fail("`q_end` is at `q` though `p_end` is not at `p`: a segment cannot come from a point");
   }
   for (std::size_t k = 0; k < h.directions.size(); ++k) {
     const auto unit = [&](const Vec3& v, const char* name) {
@@ -159,13 +159,13 @@ bool determined(const std::vector<Vec3>& places, const PolynomialTerms& terms) {
 void check_affine(const HeldPlaces& held, std::size_t handles) {
   const std::string remedy = ": add handles off it, or use the kind `rigid`, which takes any";
   if (held.q.size() < 4)
-    throw ArgumentError("the kind `affine` needs at least 4 handles that are not in a plane, not " +
+    throw ArgumentError("the kind `affine` needs at least 4 handles that are not coplanar, not " +
                         std::to_string(handles) + ": add some, or use the kind `rigid`, which takes any number");
   if (line_of(held.q))
-    throw ArgumentError("the kind `affine` needs handles that are not in a plane, and where these went is a line" +
-                        remedy);
+    throw ArgumentError(
+        "the kind `affine` needs handles that are not coplanar, and the targets of these are collinear" + remedy);
   if (in_a_plane(held.q))
-    throw ArgumentError("the kind `affine` needs handles that are not in a plane, and where these went is one" +
+    throw ArgumentError("the kind `affine` needs handles that are not coplanar, and the targets of these are coplanar" +
                         remedy);
 }
 
@@ -183,7 +183,7 @@ PolynomialTerms nonlinear_terms(const HeldPlaces& held, std::size_t handles, int
       polynomial_terms(degree == 2 ? PolynomialSpace::harmonic_quadratic : PolynomialSpace::harmonic_cubic);
   if (determined(held.q, harmonic)) return harmonic;
   const bool flat = in_a_plane(held.q);
-  throw ArgumentError(kind + " needs handles in general position, and where these went is " +
+  throw ArgumentError(kind + " needs handles in general position, and the targets of these are on " +
                       (flat ? "a plane" : "a surface of that degree") + ": add handles off it, or use " +
                       (degree == 3 ? "`degree` 2 or the kind `rigid`" : "the kind `rigid`"));
 }
@@ -201,7 +201,7 @@ DeformSetup set_up_deformation(const std::vector<Handle>& handles, const MlsDefo
     const DeformHandle& h = setup.handles.back();
     if (h.segment || !h.directions.empty()) setup.plain = false;
     if (h.segment && options.alpha < kLeastOfSegments)
-      throw ArgumentError(handle_number(i) + " is a segment, which would not be held for `alpha` below 1: raise it");
+      throw ArgumentError(handle_number(i) + " is a segment, which needs an `alpha` of at least 1");
     reach_wanted = reach_wanted || (!h.directions.empty() && !handles[i].reach);
   }
   const double reach = reach_wanted ? default_reach(setup.handles) : 0;
@@ -211,7 +211,7 @@ DeformSetup set_up_deformation(const std::vector<Handle>& handles, const MlsDefo
   const HeldPlaces held = held_places(setup.handles, polynomial ? options.degree : 1);
   if (const double extent = extent_of(held.q); extent > 0) setup.extent = extent;
   if (!std::isfinite(setup.extent) || !std::isfinite(extent_of(held.p)))
-    throw ArgumentError("handles are too far from each other for numbers of double precision");
+    throw ArgumentError("handles are too far apart for double precision");
   check_handle_conflicts(setup.handles, 1e-13 * setup.extent, 1e-9 * std::max(extent_of(held.p), setup.extent));
   setup.floor_square = setup.extent * setup.extent * std::pow(kLeastWeight, 1 / options.alpha);
 

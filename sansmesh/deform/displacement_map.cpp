@@ -270,7 +270,7 @@ GridBlock displacement_block(const DisplacementMap& map) {
 
 DisplacementMap displacement_map_of(const GridBlock& block) {
   const auto fail = [](const std::string& why) { throw DataError("not a displacement map: " + why); };
-  if (block.kind != GridKind::lattice) fail("its points are not those of a lattice");
+  if (block.kind != GridKind::lattice) fail("its points are not on a lattice");
   Box3 box;
   std::array<std::size_t, 3> sizes{};
   for (std::size_t k = 0; k < 3; ++k) {

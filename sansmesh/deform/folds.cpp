@@ -73,13 +73,13 @@ FoldReport find_folds(const SpaceMap& map, const Box3& box, const std::array<std
   FoldLattice lattice{box, sizes, {}};
   for (std::size_t k = 0; k < 3; ++k) {
     if (!(box.upper[k] > box.lower[k]) || !std::isfinite(box.upper[k] - box.lower[k]))
-      throw ArgumentError("the box in which folds are looked for has no size along axis " + std::to_string(k + 1));
+      throw ArgumentError("the box for folds has no size along axis " + std::to_string(k + 1));
     if (sizes[k] < 2 || sizes[k] > 4096)
-      throw ArgumentError("folds are looked for on 2 to 4096 points along each axis, not " + std::to_string(sizes[k]));
+      throw ArgumentError("folds need a lattice of 2 to 4096 points along each axis, not " + std::to_string(sizes[k]));
     lattice.spacing[k] = (box.upper[k] - box.lower[k]) / static_cast<double>(sizes[k] - 1);
   }
   if (lattice.points() > std::numeric_limits<std::uint32_t>::max())
-    throw ArgumentError("folds are looked for on at most 2^32 points");
+    throw ArgumentError("folds need a lattice of at most 2^32 points");
   std::vector<float> determinants = determinants_on(map, lattice, progress);
 
   UnionFind sets(lattice.points());

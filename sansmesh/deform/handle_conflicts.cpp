@@ -63,7 +63,7 @@ void check_handle_conflicts(const std::vector<DeformHandle>& handles, double tog
       const auto [i, j] = std::minmax(order[k], order[l]);
       if (conflict(handles[i], handles[j], together, apart))
         throw ArgumentError("handles " + std::to_string(i + 1) + " and " + std::to_string(j + 1) +
-                            " went to the same place from different ones: remove or move one of them");
+                            " have one target but different origins: remove or move one of them");
     }
   }
 }

@@ -81,7 +81,7 @@ std::array<Vec3, 3> frame_of(const HandleJson& json, const HandlePlace& at) {
     at.fail("the directions of 'frame' must be at right angles to each other");
   if (const double off = dot(f[0], f[1]); std::abs(off) > kRounding) f[1] = unit_direction(f[1] - f[0] * off);
   const Vec3 third = cross(f[0], f[1]);
-  if (dot(third, f[2]) < 0) at.fail("the directions of 'frame' must be right-handed: a turn cannot mirror");
+  if (dot(third, f[2]) < 0) at.fail("the directions of 'frame' must be right-handed: a rotation cannot mirror");
   f[2] = third;
   return f;
 }
@@ -89,15 +89,15 @@ std::array<Vec3, 3> frame_of(const HandleJson& json, const HandlePlace& at) {
 Handle handle_of(const HandleJson& json, const HandlePlace& at) {
   if (!json.is_object()) at.fail("must be an object with 'p' and 'q'");
   check_keys(json, {"p", "q", "p_end", "q_end", "weight", "group", "reach", "normal", "frame"}, at);
-  if (!json.contains("p")) at.fail("'p', its place before, is missing");
+  if (!json.contains("p")) at.fail("'p', its position before the deformation, is missing");
   Handle h;
   h.p = handle_vector(json["p"], "p", at);
   h.q = json.contains("q") ? handle_vector(json["q"], "q", at) : h.p;
   if (json.contains("p_end")) {
     h.p_end = handle_vector(json["p_end"], "p_end", at);
     if (json.contains("q") != json.contains("q_end"))
-      at.fail(json.contains("q") ? "'q_end', the place of the segment's end after, is missing"
-                                 : "'q', the place of the segment's begin after, is missing");
+      at.fail(json.contains("q") ? "'q_end', the segment's end after the deformation, is missing"
+                                 : "'q', the segment's begin after the deformation, is missing");
     h.q_end = json.contains("q_end") ? handle_vector(json["q_end"], "q_end", at) : *h.p_end;
     if (*h.p_end == h.p) at.fail("the segment has no length: 'p_end' is 'p'");
   } else if (json.contains("q_end")) {
@@ -125,7 +125,7 @@ Handle handle_of(const HandleJson& json, const HandlePlace& at) {
     const std::array<Vec3, 3> a = frame_of(*before, at), b = frame_of(*after, at);
     for (std::size_t k = 0; k < 3; ++k) h.directions.push_back({a[k], b[k]});
   }
-  if (h.reach && h.directions.empty()) at.fail("'reach' is of a 'normal' or a 'frame': there is none");
+  if (h.reach && h.directions.empty()) at.fail("'reach' needs a 'normal' or a 'frame'");
   return h;
 }
 
@@ -139,7 +139,7 @@ std::vector<Handle> handles_of_json(const std::string& text, const std::string& 
       if (event == HandleJson::parse_event_t::object_start) keys.emplace_back();
       if (event == HandleJson::parse_event_t::object_end) keys.pop_back();
       if (event == HandleJson::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
-        file.fail(fmt::format("key '{}' stands twice in an object", printable(value.get<std::string>(), 40)));
+        file.fail(fmt::format("duplicate key '{}' in an object", printable(value.get<std::string>(), 40)));
       return true;
     });
   } catch (const ArgumentError& error) {
@@ -257,7 +257,7 @@ std::string handles_json(std::span<const Handle> handles) {
 std::vector<Handle> handles_of_pair(const PointSet& before, const PointSet& after,
                                     std::span<const std::uint32_t> vertices) {
   if (before.size() != after.size())
-    throw ArgumentError(fmt::format("registered meshes have as many vertices, but one has {} and the other {}",
+    throw ArgumentError(fmt::format("registered meshes need equal numbers of vertices, not {} and {}",
                                     grouped(before.size()), grouped(after.size())));
   std::vector<Handle> handles;
   for (const std::uint32_t v : vertices) {

@@ -193,7 +193,7 @@ std::shared_ptr<const PlanarOccluder> half_plane(const Vec3& edge_point, const V
   if (made->normal_ == Vec3{}) fail("a half-plane has a normal of length 0");
   const Vec3 flat = into - made->normal_ * dot(into, made->normal_);
   if (!(norm(flat) > 1e-9 * norm(into)))
-    fail("a half-plane extends in a direction of its plane, not along its normal nor in none");
+    fail("the direction of a half-plane must be in its plane, neither along the normal nor zero");
   made->b_ = normalized(flat);
   made->a_ = cross(made->b_, made->normal_);
   made->borders_ = {{PlaneEdge{{0, 0}, {1, 0}, kEndless}}};
@@ -205,7 +205,7 @@ std::shared_ptr<const PlanarOccluder> polygon_occluder(const std::vector<std::ve
   const auto name = [](std::size_t l) { return l == 0 ? std::string("a polygon") : "hole " + std::to_string(l); };
   for (std::size_t l = 0; l < loops.size(); ++l)
     if (loops[l].size() < 3)
-      fail(name(l) + " has " + std::to_string(loops[l].size()) + " corners: three are the least");
+      fail(name(l) + " has " + std::to_string(loops[l].size()) + " corners: at least three are needed");
   Box3 box;
   for (const std::vector<Vec3>& loop : loops)
     for (const Vec3& p : loop) {

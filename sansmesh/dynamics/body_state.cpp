@@ -71,7 +71,7 @@ void BodyState::explode(std::span<const Vec3> at) {
   const double stable = stable_step();
   if (!(stable > 0)) {
     throw DataError(
-        fmt::format("{}: {} is not stable without damping, however short the `step`: take "
+        fmt::format("{}: {} is unstable without damping for any `step`: take "
                     "`integrator = velocity-verlet` or `implicit-euler`",
                     what, integrator.name));
   }

@@ -237,7 +237,7 @@ void ImplicitStepper::step(BodyState& body, double h, StepReport& report) {
       ++report.halvings, calm_ = 0;
       if (level_ == body.options.halvings) {
         throw DataError("conjugate gradients do not converge in " + std::to_string(body.options.iterations) +
-                        " iterations, however short the step: allow more `iterations`, a larger `tolerance` or more "
+                        " iterations for any step: allow more `iterations`, a larger `tolerance` or more "
                         "`halvings`");
       }
       ++level_;

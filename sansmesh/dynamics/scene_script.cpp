@@ -238,11 +238,11 @@ class SceneReader {
       });
       any = true;
     }
-    if (!any) f.fail("selects by nothing: vertices, file, box, half_space, ball or side is wanted");
+    if (!any) f.fail("selects nothing: give vertices, file, box, half_space, ball or side");
     std::vector<std::uint32_t> found;
     for (std::size_t v = 0; v < x.size(); ++v)
       if (in[v]) found.push_back(static_cast<std::uint32_t>(v));
-    if (found.empty()) f.fail("no vertex lies there");
+    if (found.empty()) f.fail("no vertex is there");
     return found;
   }
 
@@ -250,8 +250,7 @@ class SceneReader {
     const SceneFields f(json, where, {"on", "force", "total", "from", "until"});
     VertexForce force;
     force.vertices = unique(selections(f.at("on"), f.where("on")));
-    if (f.has("force") == f.has("total"))
-      f.fail("either 'force' (on each vertex) or 'total' (on all together) is wanted");
+    if (f.has("force") == f.has("total")) f.fail("give either 'force' (on each vertex) or 'total' (on all together)");
     force.force = f.has("force") ? f.vector("force") : f.vector("total") / static_cast<double>(force.vertices.size());
     if (f.has("from")) force.from = f.number("from");
     if (f.has("until")) force.until = f.number("until");
@@ -275,7 +274,7 @@ class SceneReader {
     }
     if (f.has("keys")) {
       if (f.has("move") || f.has("turn") || f.has("from") || f.has("until"))
-        f.fail("either 'keys' or 'move', 'turn', 'from' and 'until' are wanted");
+        f.fail("give either 'keys', or 'move', 'turn', 'from' and 'until'");
       for (const auto& [place, entry] : detail::scene_entries(f.at("keys"), f.where("keys"))) {
         const SceneFields k(*entry, place, {"time", "move", "turn"});
         HandleKey key;
@@ -318,7 +317,7 @@ class SceneReader {
         FloorObstacle floor;
         const bool z = s.z_up.value_or(false);
         floor.normal = o.has("normal") ? o.direction("normal") : z ? Vec3{0, 0, 1} : Vec3{0, 1, 0};
-        if (o.has("point") == o.has("height")) o.fail("either 'point' or 'height' is wanted");
+        if (o.has("point") == o.has("height")) o.fail("give either 'point' or 'height'");
         floor.point = o.has("point") ? o.vector("point") : floor.normal * o.number("height");
         floor.friction = friction(o);
         s.scene.floors.push_back(floor);

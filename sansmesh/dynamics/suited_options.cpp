@@ -69,7 +69,7 @@ SoftBodyOptions suited_options(const SceneScript& s, const TetMesh& mesh) {
     const double stable = stable_step(mesh, o, scaled(s.scene, s.unit.value_or(1)));
     if (!(stable > 0))
       throw ArgumentError(
-          fmt::format("{} is not stable however short the step where nothing damps, or handles hang on springs: take "
+          fmt::format("{} is unstable for any step without damping, or with handles on springs: take "
                       "velocity-verlet, or more damping",
                       o.integrator));
     o.step = std::min(kSuitedStep, kSafeStep * stable);

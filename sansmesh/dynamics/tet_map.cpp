@@ -138,7 +138,7 @@ void TetMap::State::gather(std::size_t level, std::size_t node, const Box3& box,
 }
 
 TetMap::TetMap(std::span<const Tet> tets, std::span<const Vec3> from, std::span<const Vec3> to) {
-  check_argument(from.size() == to.size(), "`from` and `to` must have as many positions");
+  check_argument(from.size() == to.size(), "`from` and `to` must have equal numbers of positions");
   auto state = std::make_unique<State>();
   std::vector<Vec3> centers(tets.size());
   Box3 whole;

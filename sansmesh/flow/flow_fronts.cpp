@@ -137,7 +137,7 @@ class Fronts {
     first_ = members_, seeds_ = particles_;
     for (const auto& e : particles_.ends)
       if (e) ++sheet_.report.ends[static_cast<std::size_t>(*e)];
-    if (members_.empty()) throw DataError("no part of the seed curve lies in the flow");
+    if (members_.empty()) throw DataError("no part of the seed curve is in the flow");
   }
 
   double next_step(double last) const {
@@ -575,7 +575,7 @@ double least_seed_distance(const VectorField& field, const TraceOptions& options
 double front_time(std::vector<double> speeds, double spacing) {
   const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
   std::nth_element(speeds.begin(), middle, speeds.end());
-  if (!(*middle > 0)) throw DataError("the flow stands still on at least half of the seed curve");
+  if (!(*middle > 0)) throw DataError("the flow is at rest on at least half of the seed curve");
   return spacing / *middle;
 }
 

@@ -116,7 +116,7 @@ class LineMaker {
       else
         speeds.push_back(norm(p.velocities[i]));
     }
-    if (speeds.empty()) throw DataError("no seed lies in the flow");
+    if (speeds.empty()) throw DataError("no seed is in the flow");
     const double fastest = *std::max_element(speeds.begin(), speeds.end());
     if (!(fastest > 0)) throw DataError("the flow is zero at all seeds");
     const double middle = median(speeds);
@@ -245,7 +245,7 @@ const OptionSchema& FlowLineOptions::schema() {
 void FlowLineOptions::validate() const {
   validate_options(*this);
   check_argument(kind == FlowLineKind::path || direction != FlowDirection::both,
-                 "`direction = both` is for path lines: streak and time lines go one way");
+                 "`direction = both` is for path lines: streak and time lines have one direction");
   check_argument(!length || kind == FlowLineKind::path, "`length` is for path lines");
   check_argument(!interval || kind != FlowLineKind::path, "`interval` is for streak and time lines");
 }

@@ -25,14 +25,14 @@ bool is_nothing_beside(double start, double duration) { return start + duration 
 
 [[noreturn]] void throw_that_moments_meet(double start, double duration) {
   if (is_nothing_beside(start, duration))
-    throw ArgumentError(fmt::format("`duration` ({:g}) is nothing beside `start` ({:g})", duration, start));
+    throw ArgumentError(
+        fmt::format("`duration` ({:g}) is too short for the magnitude of `start` ({:g})", duration, start));
   throw ArgumentError(
       std::isfinite(duration)
           ? fmt::format(
-                "`duration` ({:g}) is so little beside `start` ({:g}) that moments of fronts are the same number",
+                "`duration` ({:g}) is so short for the magnitude of `start` ({:g}) that moments of fronts coincide",
                 duration, start)
-          : fmt::format("`start` ({:g}) is so far from 0 that the moments of a surface from there are the same number",
-                        start));
+          : fmt::format("`start` ({:g}) is so large that the moments of a surface coincide", start));
 }
 
 bool is_released(FlowSurfaceKind kind) { return kind == FlowSurfaceKind::streak || kind == FlowSurfaceKind::time; }
@@ -145,17 +145,17 @@ FlowSurface flow_surface(const VectorField& field, const SeedCurve& curve, const
     const double left = options.direction == FlowDirection::both ? std::max(later, earlier)
                         : backward                               ? earlier
                                                                  : later;
-    if (!(left > 0)) throw DataError("the flow is known at no other moment than `start`: only stream surfaces are");
+    if (!(left > 0)) throw DataError("the flow has no moment beside `start`: only stream surfaces are possible");
     duration = std::min(duration, left);
     if (is_released(kind) && !std::isfinite(duration))
-      throw ArgumentError("`duration` of streak and time surfaces is needed");
+      throw ArgumentError("streak and time surfaces need a `duration`");
     if (!is_released(kind)) end_somewhere();
     sheet = is_released(kind) ? released_sheet(field, curve, known, progress)
                               : advance_fronts(field, curve, known, progress);
   }
   if (sheet.report.moments_meet && (sheet.triangles.empty() || is_released(kind)))
     throw_that_moments_meet(*known.start, duration);
-  if (sheet.triangles.empty()) throw DataError("there is no surface: particles end or part before they go on together");
+  if (sheet.triangles.empty()) throw DataError("there is no surface: particles end or separate at once");
   tidy_sheet(sheet);
   surface.report = sheet.report;
   surface.mesh = mesh_of(sheet);

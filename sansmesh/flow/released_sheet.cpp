@@ -104,7 +104,7 @@ class ReleasedSheet {
       std::vector<double> speeds;
       for (std::size_t i = 0; i < n; ++i)
         if (!p.ends[i]) speeds.push_back(norm(p.velocities[i]));
-      if (speeds.empty()) throw DataError("no part of the seed curve lies in the flow");
+      if (speeds.empty()) throw DataError("no part of the seed curve is in the flow");
       step = options_.front_step ? *options_.front_step : front_time(std::move(speeds), spacing_);
     }
     if (options_.most_points / 2 < n) throw ArgumentError("`most_points` must be at least twice `particles`");

@@ -345,7 +345,7 @@ double trace_tolerance(const VectorField& field, const TraceOptions& options) {
 }
 
 Particles particles_at(const VectorField& field, std::span<const Vec3> seeds, std::span<const double> moments) {
-  if (seeds.size() != moments.size()) throw ArgumentError("as many moments as seeds are needed");
+  if (seeds.size() != moments.size()) throw ArgumentError("the numbers of moments and seeds must be equal");
   Particles p;
   p.positions.assign(seeds.begin(), seeds.end());
   p.times.assign(moments.begin(), moments.end());

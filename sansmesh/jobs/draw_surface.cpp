@@ -25,7 +25,7 @@ std::unique_ptr<ColorField> make_colors(const PictureOptions& o, const SurfaceMo
   if (o.color_by.empty()) return nullptr;
   const Placement& place = model.place();
   if (o.color_by == kConfidence) {
-    if (model.points().size() == 0) throw DataError("there is no confidence without samples, and they were not kept");
+    if (model.points().size() == 0) throw DataError("confidence needs the samples, which were not kept");
     bar = confidence_bar();
     return std::make_unique<ConfidenceColors>(model.points(), place.from_input(model.report().spacing),
                                               place.from_input(model.report().noise));

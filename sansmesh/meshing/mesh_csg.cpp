@@ -82,22 +82,21 @@ Box3 box_of(const PiecewiseField& solid, const CsgMeshOptions& options) {
         endless += fmt::format("{}{}{}", endless.empty() ? "" : ", ", upper ? '+' : '-', "xyz"[k]);
   if (!endless.empty())
     throw ArgumentError(fmt::format(
-        "the solid is not known to end in the directions {}: intersect it with a box, or give a `box` to cut it off",
-        endless));
+        "the solid may be unbounded in the directions {}: intersect it with a box, or clip it with `box`", endless));
   for (std::size_t k = 0; k < 3; ++k)
     if (std::max(std::abs(box.lower[k]), std::abs(box.upper[k])) > kLargestCoordinate)
       throw ArgumentError(fmt::format("the solid reaches out to {:.3g}: coordinates of meshes end at {:.0g}",
                                       std::max(std::abs(box.lower[k]), std::abs(box.upper[k])), kLargestCoordinate));
   const Vec3 size = box.size();
   const double longest = std::max({size.x, size.y, size.z});
-  const char* const what = options.box ? "what is left of the solid inside the box" : "the solid";
+  const char* const what = options.box ? "the part of the solid inside the box" : "the solid";
   if (longest < kSmallestExtent)
-    throw DataError(fmt::format("{} is {:.3g} across: too small for a mesh, which begins at {:.0g}", what, longest,
-                                kSmallestExtent));
+    throw DataError(
+        fmt::format("{} is {:.3g} across: too small for a mesh; the least is {:.0g}", what, longest, kSmallestExtent));
   const double away = std::max(farthest_coordinate(box.lower), farthest_coordinate(box.upper));
   if (longest < kResolvedShare * away)
     throw DataError(
-        fmt::format("{} is {:.3g} across and {:.3g} away from the origin: too far to be told from a point; move it "
+        fmt::format("{} is {:.3g} across and {:.3g} away from the origin: too far away to be resolved; move it "
                     "closer",
                     what, longest, away));
   return box;
@@ -276,7 +275,7 @@ TriangleMesh mesh_of_pieces(const PieceExpression& field, const Box3& box, doubl
   if (found.unresolved > 0 && thickness < pieces.cell) r.warnings.push_back(too_thin_for(pieces.cell, thickness));
   if (mesh.triangles.empty())
     throw DataError(chosen ? fmt::format("the solid is empty, or thinner than the cells of {:.3g}", pieces.cell)
-                           : "the solid is empty, or thinner than numbers can tell");
+                           : "the solid is empty, or thinner than double precision resolves");
   if (found.unsimplified && pieces.simplify > 0)
     r.warnings.push_back(fmt::format(
         "the mesh has all {} triangles that were cut out: with fewer it would go through itself; a smaller mesh error "

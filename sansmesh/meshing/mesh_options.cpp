@@ -84,7 +84,7 @@ void MeshOptions::validate() const {
     if (!ok) throw ArgumentError(what);
   };
   validate_options(*this);
-  check(!triangles || enhance, "`triangles` does not go with `enhance = false`");
+  check(!triangles || enhance, "`triangles` cannot be combined with `enhance = false`");
   check(displacement == 0 || !enhance || mesher != Mesher::blocks,
         "`displacement` needs `enhance = false`: clustering undoes it");
   if (mesher == Mesher::walk) validate_walk();
@@ -95,7 +95,7 @@ void MeshOptions::validate() const {
 
 void MeshOptions::validate_walk() const {
   const auto unset = [](bool ok, const char* field) {
-    if (!ok) throw ArgumentError(fmt::format("`{}` means nothing to a walk; it goes with `mesher = blocks`", field));
+    if (!ok) throw ArgumentError(fmt::format("a walk does not use `{}`; it needs `mesher = blocks`", field));
   };
   unset(!mesh_error, "mesh_error");
   unset(!triangles, "triangles");

@@ -215,7 +215,7 @@ TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const Me
 void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const Placement& place,
                      const MeshOptions& options, const MeshReport& r) {
   if (!options.confidence.value_or(r.open && points.size() > 0)) return;
-  if (points.size() == 0) throw DataError("there is no confidence without samples, and they were not kept");
+  if (points.size() == 0) throw DataError("confidence needs the samples, which were not kept");
   std::vector<float> distance(mesh.vertices.size()), confidence(mesh.vertices.size());
   const Vec3f shift(mesh.origin - points.origin);
   std::vector<Vec3f> x = mesh.vertices;

@@ -120,7 +120,7 @@ void check_names(const SurfaceOptions& options) {
   const auto rows = SurfaceOptions::schema().rows.subspan(std::size(kRows));
   for (const auto& [name, value] : options.own)
     if (std::none_of(rows.begin(), rows.end(), [&](const OptionRow& row) { return row.name == name; }))
-      throw ArgumentError(fmt::format("no surface has an option `{}` for itself", name));
+      throw ArgumentError(fmt::format("no surface method has an option `{}` of its own", name));
 }
 
 }  // namespace

@@ -148,7 +148,7 @@ std::uint32_t LatticeNumbering::number(const LatticePoint& p) {
   std::uint32_t& number =
       bricks_[last_brick_][(p[0] >> scale & 3) | (p[1] >> scale & 3) << 2 | (p[2] >> scale & 3) << 4];
   if (number == kUnset) {
-    if (points_.size() == kUnset) throw DataError("the blocks of the mesh have more vertices than can be counted");
+    if (points_.size() == kUnset) throw DataError("the blocks of the mesh have too many vertices for 32-bit indices");
     number = static_cast<std::uint32_t>(points_.size());
     points_.push_back(p);
   }

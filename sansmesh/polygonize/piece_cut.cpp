@@ -263,8 +263,8 @@ class Cutter {
 
   [[noreturn]] static void too_steep(const Vec3& x) {
     throw DataError(
-        fmt::format("the surface cannot be cut out near ({:.4g}, {:.4g}, {:.4g}): values change faster there "
-                    "than distances do, or are no numbers",
+        fmt::format("the surface cannot be extracted near ({:.4g}, {:.4g}, {:.4g}): values change faster there "
+                    "than distances do, or are not finite",
                     x.x, x.y, x.z));
   }
 

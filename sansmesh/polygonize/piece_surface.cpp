@@ -476,17 +476,17 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
     if (!mesher.mesh.crowded && !mesher.mesh.cracked && closed(mesher.mesh)) break;
     if (const std::optional<Vec3>& at = mesher.mesh.crowded)  // independent of the lattice points
       throw DataError(
-          fmt::format("more than {} faces meet in one place, near ({:.4g}, {:.4g}, {:.4g}): cut that place "
-                      "off, or make it of fewer faces or a cone{}",
+          fmt::format("more than {} faces meet at one point, near ({:.4g}, {:.4g}, {:.4g}): clip that "
+                      "region, or model it with fewer faces or a cone{}",
                       kMostPiecesInBlock, at->x, at->y, at->z,
                       options.cell > 0 ? "; or they do not, and a smaller `cell` helps" : ""));
     if (attempt + 1 < kTries.size()) continue;
     if (const std::optional<Vec3>& at = mesher.mesh.cracked)
       throw DataError(
           fmt::format("the surface could not be closed near ({:.4g}, {:.4g}, {:.4g}): pieces cross there in more ways "
-                      "than rounding can tell apart; move one of them a little",
+                      "than rounding can separate; move one of them slightly",
                       at->x, at->y, at->z));
-    throw DataError("the surface could not be closed: too many pieces meet in one place; move one of them a little");
+    throw DataError("the surface could not be closed: too many pieces meet at one point; move one of them slightly");
   }
   TriangleMesh result;
   CutPieces& mesh = mesher.mesh;
@@ -525,7 +525,7 @@ TriangleMesh polygonize_pieces(const PieceExpression& field, const Box3& box, co
     if (!simplified) {
       const Vec3 at = origin + Vec3(result.vertices[result.triangles[crossing[0][0]][0]]);
       throw DataError(fmt::format(
-          "the mesh would go through itself in {} places, such as ({:.4g}, {:.4g}, {:.4g}): give a smaller `cell` or "
+          "the mesh would intersect itself at {} places, such as ({:.4g}, {:.4g}, {:.4g}): give a smaller `cell` or "
           "mesh error than {:.2g}",
           crossing.size(), at.x, at.y, at.z, options.mesh_error));
     }

@@ -47,7 +47,7 @@ std::uint32_t place_in(const std::vector<std::uint64_t>& names, const ChainVerte
 
 /// Numbers all used names: merged lattice vertices first (ascending), then crossing points (ascending).
 SurfaceChain number_vertices(const std::vector<ChainTriangle>& named, std::size_t lattice_vertices) {
-  if (named.size() > kMostTriangles) throw DataError("the mesh would have more triangles than can be counted");
+  if (named.size() > kMostTriangles) throw DataError("the mesh would have too many triangles for 32-bit indices");
   SurfaceChain chain;
   std::vector<std::uint32_t> of_lattice(lattice_vertices, kNoEntry);
   const std::vector<std::uint64_t> edges = sorted_names(named, [](const ChainVertex& v) { return v.a != v.b; });

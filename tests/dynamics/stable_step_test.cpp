@@ -134,7 +134,7 @@ TEST(StableStep, IsToldWhereABodyExplodes) {
     }
     return std::string();
   };
-  EXPECT_NE(told().find("not stable without damping"), std::string::npos) << told();
+  EXPECT_NE(told().find("unstable without damping"), std::string::npos) << told();
   options.damping = 10;
   EXPECT_NE(told().find("take a `step` of 0.003 s"), std::string::npos) << told();
 }

@@ -755,7 +755,7 @@ TEST(FlowSurface, SaysWhereMomentsAreTheSameNumber) {
     surface();
     ADD_FAILURE();
   } catch (const ArgumentError& error) {
-    EXPECT_STREQ(error.what(), "`duration` (1e-17) is nothing beside `start` (1)");
+    EXPECT_STREQ(error.what(), "`duration` (1e-17) is too short for the magnitude of `start` (1)");
   }
 }
 

@@ -208,17 +208,16 @@ TEST(MeshCsg, UnboundedSolidsNeedABox) {
     return "";
   };
   // A half-space is bounded on one side only: the message names the other five, and the remedy.
-  EXPECT_EQ(
-      message("plane(z)", {}),
-      "the solid is not known to end in the directions -x, +x, -y, +y, -z: intersect it with a box, or give a `box` "
-      "to cut it off");
+  EXPECT_EQ(message("plane(z)", {}),
+            "the solid may be unbounded in the directions -x, +x, -y, +y, -z: intersect it with a box, or clip it with "
+            "`box`");
   EXPECT_NE(message("cylinder(1)", {}).find("directions -z, +z:"), std::string::npos);
   EXPECT_NE(message("sphere(1) & sphere(1, center=(3,0,0))", {}).find("empty"), std::string::npos);
   EXPECT_NE(message("sphere(1) - sphere(2)", {.resolution = 16}).find("empty"), std::string::npos);
   const Box3 box{{-1, -1, -1}, {1, 1, 1}};
   EXPECT_NE(message("sphere(1, center=(5,0,0))", {.box = box}).find("no point inside the box"), std::string::npos);
   EXPECT_NE(message("sphere(1)", {.box = Box3{{0, 0, 0}, {1e-13, 1e-13, 1e-13}}})
-                .find("what is left of the solid inside the box is 1e-13 across: too small for a mesh"),
+                .find("the part of the solid inside the box is 1e-13 across: too small for a mesh"),
             std::string::npos);
   EXPECT_NE(message("sphere(1)", {.cell = 0.1, .resolution = 10}).find("exclude each other"), std::string::npos);
   EXPECT_NE(message("sphere(1)", {.cell = 1e-9}).find("too small"), std::string::npos);
@@ -637,7 +636,7 @@ TEST(MeshCsg, ManyFacesInOnePlace) {
     meshed(parsed(pyramid(300)), {}, report);
     FAIL() << "300 faces are too many";
   } catch (const DataError& e) {
-    EXPECT_NE(std::string(e.what()).find("more than 251 faces meet in one place"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("more than 251 faces meet at one point"), std::string::npos) << e.what();
   }
 }
 

@@ -90,8 +90,9 @@ TEST(OwnOption, IsCheckedAsItsRowSaysAndHeededByItsSurfaceAlone) {
   EXPECT_EQ(error_of({.method = "apss", .own = {{"plane_rounds", std::int64_t{4}}}}),
             "`plane_rounds` belongs to plane, not to the surface apss");
   EXPECT_EQ(error_of({.method = "plane", .own = {{"plane_hight", 1.0}}}),
-            "no surface has an option `plane_hight` for itself");
-  EXPECT_EQ(error_of({.method = "plane", .own = {{"sharp", true}}}), "no surface has an option `sharp` for itself");
+            "no surface method has an option `plane_hight` of its own");
+  EXPECT_EQ(error_of({.method = "plane", .own = {{"sharp", true}}}),
+            "no surface method has an option `sharp` of its own");
 }
 
 /// Lengths are given in the unit of the input; the surface receives them in the coordinates of the cloud.
