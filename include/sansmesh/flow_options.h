@@ -52,7 +52,7 @@ struct SANSMESH_API TraceOptions {
   /// fiftieth) of the diagonal.
   std::optional<double> step = {};
   double duration = std::numeric_limits<double>::infinity();  ///< time, > 0
-  double length = std::numeric_limits<double>::infinity();    ///< of the line, > 0
+  double length = std::numeric_limits<double>::infinity();    ///< length of the line, > 0
   /// Speed (length per time, >= 0) below which a particle has reached a critical point. If not 0, dopri5 particles in
   /// fields without moments() also stop when they advance by less than 32 tolerances in 64 steps.
   double least_speed = 0;
@@ -130,8 +130,8 @@ struct SANSMESH_API FlowSurfaceOptions {
   std::optional<std::size_t> seeds = {};
   double alpha = 2;  ///< > 1: gaps wider than α Δ₀ receive a particle, or the surface tears
   double beta = 2;   ///< > 0: the surface tears where such a gap grows by at least β times a particle's step
-  double delta =
-      0.5;  ///< 0 <= δ < 1, 2 δ <= α: a particle nearer than δ Δ₀ to both neighbours may be removed; 0 keeps all
+  /// 0 <= δ < 1, 2 δ <= α: a particle nearer than δ Δ₀ to both neighbours may be removed; 0 keeps all.
+  double delta = 0.5;
   FlowInsertion insertion = FlowInsertion::traced;  ///< start of inserted particles
   /// Moment at the seeds. Default: the field's first (backward: last) moment, 0 where it has none.
   std::optional<double> start = {};
@@ -160,7 +160,7 @@ struct SANSMESH_API FlowSurfaceOptions {
 /// A particle at a front.
 struct FlowPoint {
   Vec3 position;               ///< in the field's coordinates
-  Vec3 velocity;               ///< of the field at this position and time
+  Vec3 velocity;               ///< field vector at this position and time
   Vec3 normal;                 ///< unit; orientation is consistent within a connected part
   double s = 0;                ///< starting point: arc length along the seed curve
   double t = 0;                ///< time at this point; streak surfaces: time of release

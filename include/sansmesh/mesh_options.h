@@ -83,14 +83,14 @@ struct SANSMESH_API MeshReport {
   int components = 0;                  ///< connected components of the mesh
   double aspect_mean_before = 0;       ///< mean aspect ratio of the unenhanced mesh; 0 unless measured
   double aspect_deviation_before = 0;  ///< its standard deviation
-  double aspect_mean =
-      0;  ///< mean aspect ratio l_max P / (4√3 S) of the mesh's triangles (1: equilateral); 0 unless measured
+  /// Mean aspect ratio l_max P / (4√3 S) of the mesh's triangles (1: equilateral); 0 unless measured.
+  double aspect_mean = 0;
   double aspect_deviation = 0;  ///< its standard deviation
   double mesh_error = 0;        ///< target distance between mesh and surface (length)
   bool open = false;            ///< part of the surface bounds no solid and ends where its samples end
   /// Share of the samples without a surface: farther from the mesh than two spacings and four times the noise.
   double lost = 0;
-  std::optional<Vec3> most_lost;      ///< where most of these are, if their share exceeds 0.01
+  std::optional<Vec3> most_lost;      ///< location of most of these samples, if their share exceeds 0.01
   std::vector<std::string> warnings;  ///< requests that could not be met, one sentence each
 
   static const ReportSchema& schema();  ///< one row per reported value

@@ -88,8 +88,8 @@ struct PulledHandle {
   std::vector<std::uint32_t> vertices;  ///< vertex indices
   std::vector<HandleKey> keys;          ///< at least one, times increasing
   std::optional<Vec3> center;           ///< centre of rotation; default: the mean of the vertices at rest
-  std::optional<double>
-      stiffness;  ///< N/m: each vertex hangs on a spring to its target. Absent: it is where the key says
+  /// N/m: a spring attaches each vertex to its target. Absent: the vertex is at its target.
+  std::optional<double> stiffness;
 };
 
 /// A solid half-space below a plane.

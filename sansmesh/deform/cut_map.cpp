@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kCutMapGrain = 4096;
 
-/// Workspace for n results, if they are wanted.
+/// Workspace for n results, empty if none are requested.
 template <class T>
 std::vector<T> scratch_for(std::span<T> wanted, std::size_t n) {
   return std::vector<T>(wanted.empty() ? 0 : n);

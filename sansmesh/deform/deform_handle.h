@@ -12,7 +12,7 @@ struct DeformHandle {
   Vec3 along_p, along_q;  ///< vector between the ends of a segment
   bool segment = false;   ///< `along_q` is not zero
   double weight = 1;
-  std::vector<TurnedDirection> directions;  ///< of unit length
+  std::vector<TurnedDirection> directions;  ///< unit vectors
   double reach = 0;
 };
 

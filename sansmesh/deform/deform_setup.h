@@ -20,7 +20,7 @@ struct DeformSetup {
   double floor_square = 0;  ///< squared distances below this count as this
   PolynomialTerms terms;    ///< for affine and nonlinear deformations
   HandleLine line = HandleLine::none;
-  Vec3 line_direction;  ///< of unit length
+  Vec3 line_direction;  ///< unit vector
   bool plain = true;    ///< all handles are points without directions
 };
 

@@ -12,13 +12,13 @@ namespace sansmesh::inline v1 {
 /// Extra length of the path from a handle to a point around an occluder.
 struct Detour {
   double extra = 0;  ///< length of the path minus the distance, >= 0; 0 where the handle is visible
-  Vec3 gradient;     ///< of `extra` with respect to the point; zero where it is 0
+  Vec3 gradient;     ///< gradient of `extra` with respect to the point; zero where it is 0
 };
 
 /// Whether a point and its source are separated by an occluder.
 struct Gap {
   double depth = 0;  ///< above 0 where separated; near the faces of the gap approximately the distance from them
-  Vec3 gradient;     ///< with respect to the point
+  Vec3 gradient;     ///< gradient of `depth` with respect to the point
 };
 
 class Occluder {

@@ -28,8 +28,8 @@ constexpr std::size_t kWidest = 8;
 /// cancellation if it is much heavier than the rest, and moments need not be taken about the means.
 struct SeenHandles {
   const PointMap& map;
-  double* weights;       ///< of handle h at [lanes h]; before weighting, squared distances
-  const double* extras;  ///< of handle h at the first of the points: [stride h]; or null
+  double* weights;       ///< handle h: [lanes h]; before weighting, squared distances
+  const double* extras;  ///< handle h at the first of the points: [stride h]; or null
   std::size_t stride;
   PlaceV x[3], nearest_q[3], nearest_p[3], least, total, mean_q[3], mean_p[3];
 

@@ -16,7 +16,7 @@ struct PointMap {
   DeformationKind kind = DeformationKind::rigid;
   std::vector<double> q[3], p[3], weight;
   double alpha = 1;
-  double damping = 1;       ///< of influence across cuts
+  double damping = 1;       ///< damping of influence across cuts
   double floor_square = 0;  ///< squared distances below this count as this
   double unit = 1;          ///< scale of the coordinates in polynomials
   PolynomialTerms terms;    ///< also for `affine`

@@ -16,7 +16,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kSnap = 1e-3;        // of an edge: vertices closer to the cut are on it
+constexpr double kSnap = 1e-3;        // fraction of an edge: vertices closer to the cut are on it
 constexpr double kMostRounded = 0.5;  // largest rounding error over the distance to the triangles' centroids
 constexpr int kSnapRounds = 4;
 constexpr std::size_t kEdgesAtATime = 1024;

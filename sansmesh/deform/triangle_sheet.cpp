@@ -11,7 +11,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kLeafSize = 4;
-constexpr double kSamePlace = 1e-12;  // of a segment: closer crossings are one
+constexpr double kSamePlace = 1e-12;  // fraction of a segment: closer crossings are one
 constexpr double kFlatEdge = 1e-9;    // sine of the angle between neighbours above which an edge is bent
 
 /// Slab test of a segment and a box.

@@ -43,7 +43,7 @@ class TriangleSheet {
   /// the line from a to c.
   struct Bend {
     Vec3 point;       ///< crossing point
-    Vec3 begin, end;  ///< of the edge
+    Vec3 begin, end;  ///< ends of the edge
   };
   void bends(const Vec3& a, const Vec3& b, const Vec3& c, double width, std::vector<Bend>& found) const;
   /// Searches within distance `limit`. A segment that crosses the sheet has distance 0.

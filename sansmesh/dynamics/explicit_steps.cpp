@@ -47,8 +47,8 @@ class VerletStepper : public ExplicitStepper {
   void move(BodyState& body, double h) override {
     force_.resize(body.size());
     body.forces(body.x, body.v, body.time, force_);
-    const double gained =
-        0.5 * h + body.lag;  // first step, or changed step length: half of the previous step is missing
+    // First step, or changed step length: half of the previous step is missing.
+    const double gained = 0.5 * h + body.lag;
     parallel_for(0, body.size(), kExplicitRows, [&](std::size_t i) {
       body.v[i] += force_[i] * (gained / body.masses[i]);
       body.x[i] += body.v[i] * h;

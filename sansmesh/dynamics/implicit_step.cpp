@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kImplicitRows = 2048;  ///< vertices per task
 constexpr int kContactPasses = 6;    ///< largest number of systems solved until contacts agree with the solution
 constexpr int kCalmParts = 4;        ///< successive convergent substeps before a longer one is tried
-constexpr double kRounding = 1e-12;  ///< of momentum and forces: lower bound of attainable residuals
+constexpr double kRounding = 1e-12;  ///< lower bound of attainable residuals of momentum and forces
 constexpr double kSameLoad = 0.1;    ///< relative change of a load that friction ignores
 
 }  // namespace

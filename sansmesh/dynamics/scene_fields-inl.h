@@ -35,7 +35,7 @@ class SceneFields {
   int whole(const char* key) const;
   std::string text(const char* key) const;
   Vec3 vector(const char* key) const;
-  Vec3 direction(const char* key) const;  ///< of unit length
+  Vec3 direction(const char* key) const;  ///< unit vector
   template <class T, class Get>
   void get(const char* key, std::optional<T>& value, Get&& how) const {
     if (has(key)) value = (this->*how)(key);

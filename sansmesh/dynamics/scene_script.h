@@ -11,7 +11,7 @@ namespace sansmesh::inline v1 {
 /// The model with this name: "springs".
 std::optional<SoftBodyModel> soft_body_model(std::string_view word);
 constexpr double kMostGravity = 1e6;    ///< m/s²
-constexpr double kUsualFriction = 0.3;  ///< of obstacles without a coefficient
+constexpr double kUsualFriction = 0.3;  ///< default coefficient of obstacles
 /// In the order of the enumerators.
 inline constexpr std::string_view kModelWords[] = {"springs", "corotational"};
 

@@ -35,7 +35,7 @@ std::vector<double> lumped_masses(const TetMesh& mesh, const SoftBodyOptions& op
 struct SoftBody::State {
   TetMesh mesh;
   DynamicsScene scene;
-  std::vector<double> masses;        ///< of the mesh's vertices
+  std::vector<double> masses;        ///< masses of the mesh's vertices
   std::vector<std::uint32_t> order;  ///< mesh vertex of each vertex of the body
   std::vector<std::uint32_t> place;  ///< inverse of `order`
   std::unique_ptr<BodyState> body;

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kSuitedStiffness = 25;   ///< Young's modulus over density × gravity × size
 constexpr double kSuitedDamping = 0.004;  ///< s, damping over stiffness
-constexpr double kSuitedTolerance =
-    0.01;                             ///< of conjugate gradients: half the time of 0.001, without visible difference
+/// Relative residual of conjugate gradients: half the time of 0.001, without visible difference.
+constexpr double kSuitedTolerance = 0.01;
 constexpr double kSuitedStep = 0.01;  ///< s, of implicit methods
 constexpr double kSafeStep = 0.5;     ///< fraction of the longest stable step
 constexpr double kEarth = 9.81;

@@ -31,8 +31,8 @@ class TetEmbedding {
  private:
   std::vector<std::uint32_t> tets_;
   std::vector<std::array<double, 4>> weights_;
-  std::vector<Tet> corners_;                    ///< of tets_
-  std::vector<std::array<Vec3, 3>> gradients_;  ///< of the weights of the last three corners, at rest
+  std::vector<Tet> corners_;                    ///< corners of tets_
+  std::vector<std::array<Vec3, 3>> gradients_;  ///< gradients of the weights of the last three corners, at rest
   std::size_t outside_ = 0;
 };
 

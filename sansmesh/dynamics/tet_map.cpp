@@ -72,8 +72,8 @@ struct TetMap::State {
   /// The affine map of a tetrahedron and its domain.
   struct Affine {
     Vec3 corner;                    ///< in `from`
-    std::array<Vec3, 3> gradients;  ///< of the barycentric coordinates of corners 1 to 3
-    Vec3 image;                     ///< of the corner
+    std::array<Vec3, 3> gradients;  ///< gradients of the barycentric coordinates of corners 1 to 3
+    Vec3 image;                     ///< image of the corner
     Jacobian jacobian;
     Box3 from, to;  ///< bounds of its corners
     std::uint32_t number = kNowhere;

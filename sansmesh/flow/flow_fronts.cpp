@@ -555,11 +555,11 @@ class Fronts {
   TraceOptions trace_;
   double start_ = 0, length_ = 0, spacing_ = 0, least_span_ = 0;
   FlowSheet sheet_;
-  Particles particles_, seeds_;       // of this direction; at their starts
-  std::vector<std::uint32_t> names_;  // of particles_, the same in both directions
+  Particles particles_, seeds_;       // particles of this direction; particles at their starts
+  std::vector<std::uint32_t> names_;  // indices of particles_, the same in both directions
   std::vector<Member> members_, next_, first_;
-  std::vector<double> moments_;    // of the fronts up to the previous one
-  ParticlesAhead ahead_;           // of this direction
+  std::vector<double> moments_;    // moments of the fronts up to the previous one
+  ParticlesAhead ahead_;           // particles traced along in this direction
   double share_ = 1;               // time between fronts over that at median speed
   double way_ = 0, most_way_ = 0;  // sums of the particles' median steps
   std::size_t front_ = 0, inserted_ = 0;

@@ -62,8 +62,9 @@ class ParticleStep {
   const VectorField& field_;
   std::vector<Vec3> starts_, places_, bulges_;
   std::vector<double> times_, durations_, moments_, errors_;
-  std::vector<std::vector<Vec3>> velocities_;  ///< as many as the largest number of stages so far
-  std::size_t stages_ = 0;                     ///< of the current step
+  /// Velocities of each stage; sized for the largest number of stages so far.
+  std::vector<std::vector<Vec3>> velocities_;
+  std::size_t stages_ = 0;  ///< stages of the current step
   std::vector<std::uint8_t> inside_, out_;
 };
 

@@ -24,7 +24,7 @@ struct Traces {
   std::vector<std::size_t> offsets{0};
   std::vector<Vec3> positions;
   std::vector<double> times;
-  std::vector<Vec3> velocities;  ///< of the field at the ends of steps; interpolated between them
+  std::vector<Vec3> velocities;  ///< field at the ends of steps; interpolated between them
   std::vector<TraceEnd> ends;    ///< per line
   std::size_t size() const { return ends.size(); }
 };
@@ -40,7 +40,7 @@ Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::s
 struct Particles {
   std::vector<Vec3> positions;
   std::vector<double> times;
-  std::vector<Vec3> velocities;               ///< of the field at the positions; set by move_particles()
+  std::vector<Vec3> velocities;               ///< field at the positions; set by move_particles()
   std::vector<double> steps;                  ///< next step of the integrator (time); 0: unknown
   std::vector<std::optional<TraceEnd>> ends;  ///< empty while the particle moves
 };

@@ -115,8 +115,8 @@ std::vector<std::uint8_t> far_off(const SurfaceModel& model, std::span<const Vec
 
 SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
   const NoiseEstimate estimate = measure_noise(cloud.points);
-  const double noise =
-      estimate.known ? estimate.deviation : 0;  // an unknown deviation, possibly shape, does not count as noise
+  // An unknown deviation, possibly shape, does not count as noise.
+  const double noise = estimate.known ? estimate.deviation : 0;
   const std::size_t all = cloud.points.size(), every = 1 + (all - 1) / kJudged;
   std::vector<Vec3> x;
   for (std::size_t i = 0; i < all; i += every) x.push_back(Vec3(cloud.points.positions[i]));

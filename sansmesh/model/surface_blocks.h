@@ -14,8 +14,8 @@ namespace sansmesh::inline v1 {
 /// Support of a surface of samples.
 struct SurfaceSupport {
   const BallUnion& balls;
-  std::span<const float>
-      spacings;  ///< local spacing at the centres (length); empty if the balls determine the resolution
+  /// Local spacing at the centres (length); empty if the balls determine the resolution.
+  std::span<const float> spacings;
   Box3 bounds;
   double smoothing = 0;  ///< median width of the weight functions over the spacing
   bool sharp = false;    ///< vertices are placed on sharp edges

@@ -47,9 +47,9 @@ struct SurfaceParts {
   /// The samples as the method uses them, for sharp normals; null if it does not support these.
   std::shared_ptr<const SurfaceSamples> samples;
   SurfaceTraits traits;
-  double spacing = 0, noise = 0;  ///< of the samples (length)
+  double spacing = 0, noise = 0;  ///< spacing and noise of the samples (length)
   double smoothing = 0;           ///< median width of the weight functions over the local spacing; 0 without weights
-  int order = 0, iterations = 0;  ///< of an iterated approximation
+  int order = 0, iterations = 0;  ///< parameters of an iterated approximation
 };
 
 /// A method that makes a surface of samples. Registered once, in its own source; library, command line, help and

@@ -62,7 +62,7 @@ struct SurfaceModel::State {
   SurfaceReport report;
   SurfaceParts parts;
   mutable std::once_flag field_made;
-  mutable std::shared_ptr<const ScalarField> field;  // of a projection: created on first use
+  mutable std::shared_ptr<const ScalarField> field;  // field of a projection: created on first use
   mutable std::optional<FaceField> placement;
   std::optional<BilateralNormals> sharp;
   std::optional<SharpenedNormals> sharpened;  // applied to the method's own normals

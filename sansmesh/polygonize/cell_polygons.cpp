@@ -65,8 +65,8 @@ void trace_cell(unsigned negative, std::size_t outer, unsigned split, CellPolygo
     for (std::size_t k = 0; k < 4; ++k) {  // from the change to negative ...
       const std::size_t l = (k + 1) % 4;
       if (below(at[k]) || !below(at[l])) continue;
-      std::size_t m =
-          l;  // ... to the change to positive: the next one, or the previous if positive corners are separated
+      // ... to the change to positive: the next one, or the previous if positive corners are separated.
+      std::size_t m = l;
       if (alternate && below(at[d])) {
         m = (k + 3) % 4;
       } else {

@@ -729,7 +729,8 @@ class Cutter {
   double quantum_, largest_;  ///< unit and upper limit of values
   const PlainPattern& plain_;
   ChunkOfCuts& out_;
-  std::vector<PieceNode> nodes_, left_;  ///< of the block and of the simplex; pieces are indices into `pieces_`
+  std::vector<PieceNode> nodes_,
+      left_;  ///< expressions of the block and of the simplex; pieces are indices into `pieces_`
   std::vector<std::uint32_t> pieces_;
   std::vector<std::int64_t> values_;  ///< by piece and slot
   std::vector<double> found_;

@@ -28,7 +28,7 @@ struct PieceSurfaceReport {
   double cell = 0;  ///< edge of the smallest block
   int depth = 0;
   std::size_t blocks = 0;     ///< leaves of the tree
-  double unresolved = 0;      ///< as in PieceBlocks
+  double unresolved = 0;      ///< see PieceBlocks
   bool unsimplified = false;  ///< simplification was undone because the mesh would have intersected itself
   bool too_many = false;      ///< more than `most_blocks` are needed: no mesh
   double mean_error = 0, largest_error = 0;  ///< distance from triangle centroids to the surface (length)

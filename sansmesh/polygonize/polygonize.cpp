@@ -36,8 +36,8 @@ struct Extraction {
   const ScalarField& field;
   BlockTree tree;
   Vec3 origin;
-  std::vector<Box3> regions =
-      {};  ///< restricts to blocks that meet one, and kLayers around them; empty: no restriction
+  /// Restricts to blocks that meet one, and kLayers around them; empty: no restriction.
+  std::vector<Box3> regions = {};
   std::vector<std::uint8_t> beyond_domain = {};  ///< per block; empty: none is
   LatticeNumbering numbering = {};               ///< used while the surface is followed
   PatternTable patterns = {};
@@ -46,8 +46,8 @@ struct Extraction {
   std::vector<LatticePoint> points = {};  ///< per lattice vertex, once the surface has been followed
   /// Field at each lattice vertex; positive on the cube's faces, which closes the mesh.
   std::vector<float> values = {};
-  std::vector<Vec3f> moved =
-      {};  ///< displaced position per lattice vertex, relative to origin; empty without displacement
+  /// Displaced position per lattice vertex, relative to origin; empty without displacement.
+  std::vector<Vec3f> moved = {};
   std::vector<std::uint8_t> caps = {};  ///< lattice vertices on the cube's faces where the field is negative
 
   Vec3 world(const LatticePoint& p) const {

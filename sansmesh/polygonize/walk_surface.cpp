@@ -231,7 +231,7 @@ class SurfaceWalk {
   BlockTreeView view_;
   Vec3 origin_;
   std::vector<Tuple> simplices_;  ///< crossing simplices
-  std::vector<Corners> corners_;  ///< of each simplex
+  std::vector<Corners> corners_;  ///< corners of each simplex
   std::vector<LatticeVertex<3>> points_;
   std::vector<Vec3> places_;
   std::vector<double> values_;

@@ -27,8 +27,8 @@ struct WalkReport {
   std::size_t simplices = 0;  ///< crossing simplices visited by the walk
   std::size_t started = 0;    ///< seeds whose simplex crosses the surface
   std::size_t moved = 0;      ///< displaced lattice vertices
-  std::size_t held =
-      0;  ///< lattice vertices kept in place: the move would have changed their sign or inverted a simplex
+  /// Lattice vertices kept in place: the move would have changed their sign or inverted a simplex.
+  std::size_t held = 0;
 };
 
 /// The zero set of `field` in the tree's cube as a closed 2-manifold: where it leaves the cube, it is closed just

@@ -430,7 +430,7 @@ TEST(FlowSurface, StreakSurfacesOfSteadyFlowsAreStreamSurfaces) {
   for (const FlowPoint& p : streak.points) {
     const double age = 3 - p.t;
     EXPECT_LT(norm(p.position - Vec3{std::cos(age), std::sin(age), 0} * (0.5 + p.s)), 1e-6);
-    EXPECT_GT(p.normal.z, 1 - 1e-9);  // as for the stream surface
+    EXPECT_GT(p.normal.z, 1 - 1e-9);  // the same side as the stream surface
   }
   options.kind = FlowSurfaceKind::stream;
   EXPECT_NEAR(area(surface_of("rotation", seed_line({0.5, 0, 0}, {1.5, 0, 0}), options)), area(streak), 2e-3);
