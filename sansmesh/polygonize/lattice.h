@@ -56,6 +56,21 @@ struct BlockRefinement {
 };
 BlockRefinement refinement_of(const BlockTree& tree, std::uint32_t block);
 
+/// Lattice vertex at a slot of a block. Quarter edges exist only where the block is not on the deepest level, so the
+/// division is exact.
+inline LatticePoint slot_point(const BlockTree& tree, std::uint32_t block, std::uint32_t slot) {
+  const BlockTree::Block& b = tree[block];
+  const std::uint32_t edge = 2u << (tree.depth() - b.level);
+  return {b.cell[0] * edge + slot % 5u * edge / 4, b.cell[1] * edge + slot / 5u % 5u * edge / 4,
+          b.cell[2] * edge + slot / 25u * edge / 4};
+}
+
+/// Position of a lattice vertex.
+inline Vec3 lattice_position(const BlockTree& tree, const LatticePoint& p) {
+  const double unit = tree.edge() / static_cast<double>(2u << tree.depth());
+  return tree.lower() + Vec3{p[0] * unit, p[1] * unit, p[2] * unit};
+}
+
 /// Cache of patterns; references stay valid.
 class PatternTable {
  public:

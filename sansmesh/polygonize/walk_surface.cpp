@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <span>
 #include <unordered_map>
@@ -10,6 +9,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/polygonize/marched_simplex.h"
 #include "sansmesh/triangulation/block_tree_view.h"
 #include "sansmesh/triangulation/j1a.h"
 
@@ -187,43 +187,13 @@ class SurfaceWalk {
   void march(std::size_t n, const Crossing& crossing, std::vector<Triangle>& out) const {
     Corners v = corners_[n];
     if (orientation(simplices_[n]) < 0) std::swap(v[2], v[3]);
-    // Even permutations put the inside vertices first.
     unsigned mask = 0;
     for (unsigned i = 0; i < 4; ++i) mask |= (values_[v[i]] < 0 ? 1u : 0u) << i;
-    static constexpr std::array<std::array<std::uint8_t, 4>, 16> kOrder{{{0, 1, 2, 3},
-                                                                         {0, 1, 2, 3},
-                                                                         {1, 0, 3, 2},
-                                                                         {0, 1, 2, 3},
-                                                                         {2, 0, 1, 3},
-                                                                         {0, 2, 3, 1},
-                                                                         {1, 2, 0, 3},
-                                                                         {0, 1, 2, 3},
-                                                                         {3, 0, 2, 1},
-                                                                         {0, 3, 1, 2},
-                                                                         {1, 3, 2, 0},
-                                                                         {0, 3, 1, 2},
-                                                                         {2, 3, 0, 1},
-                                                                         {0, 2, 3, 1},
-                                                                         {1, 3, 2, 0},
-                                                                         {0, 1, 2, 3}}};
-    const auto& o = kOrder[mask];
-    const std::uint32_t a = v[o[0]], b = v[o[1]], c = v[o[2]], d = v[o[3]];
-    switch (std::popcount(mask)) {
-      case 1:
-        out.push_back({crossing(a, b), crossing(a, c), crossing(a, d)});
-        break;
-      case 2: {
-        const std::uint32_t p = crossing(a, c), q = crossing(a, d), s = crossing(b, d), t = crossing(b, c);
-        out.push_back({p, q, s});
-        out.push_back({p, s, t});
-        break;
-      }
-      case 3:
-        out.push_back({crossing(a, d), crossing(b, d), crossing(c, d)});
-        break;
-      default:
-        break;
-    }
+    march_simplex(
+        mask, [&](std::size_t i, std::size_t j) { return crossing(v[i], v[j]); },
+        [&](std::uint32_t p, std::uint32_t q, std::uint32_t r) {
+          out.push_back({p, q, r});
+        });
   }
 
   const ScalarField& field_;
