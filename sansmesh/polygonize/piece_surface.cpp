@@ -435,8 +435,8 @@ class PieceMesher {
   const PieceExpression& field_;
   const PieceSurfaceOptions& options_;
   double scale_;
-  std::vector<std::uint32_t>
-      becomes_;  ///< per vertex before improvements: its index in the mesh, or that of the vertex that absorbed it
+  /// Per vertex before improvements: its index in the mesh, or that of the vertex that absorbed it.
+  std::vector<std::uint32_t> becomes_;
 };
 
 template <class At>
