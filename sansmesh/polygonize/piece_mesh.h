@@ -25,7 +25,6 @@ void drop_unused_vertices(PieceMesh& mesh);
 /// (balance_gaps with one piece per triangle).
 void balance_pieces(const PiecewiseField& field, PieceMesh& mesh);
 
-/// For a mesh whose creases are edges but that forgot its pieces (after simplification): finds the piece of each
 /// Restores the pieces of a mesh whose creases are edges, after simplification: finds the piece of each triangle, and
 /// moves each vertex back onto its pieces where no triangle deteriorates.
 PieceMesh recall_pieces(const PiecewiseField& field, std::vector<Vec3> x, std::vector<Triangle> triangles);
