@@ -15,6 +15,8 @@
 
 namespace sansmesh::inline v1 {
 
+class SpaceTimeLattice;
+
 struct SpaceTimeOptions {
   double cell = 0;  ///< edge of the smallest blocks (length); required
   /// Duration of the smallest blocks (time), reduced so that a whole number of blocks fills the field's time interval;
@@ -61,8 +63,7 @@ class SpaceTimeSurface {
   double time_cell() const;    ///< duration of the smallest blocks
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<SpaceTimeLattice> lattice_;
 };
 
 }  // namespace sansmesh::inline v1
