@@ -1,7 +1,8 @@
 // Streak and time surfaces by an adaptively refined sheet of particles.
 #pragma once
 
-#include "sansmesh/flow/flow_fronts.h"
+#include "sansmesh/flow/flow_sheet.h"
+#include "sansmesh/flow/seed_curve.h"
 #include "sansmesh/progress.h"
 
 namespace sansmesh::inline v1 {
