@@ -146,61 +146,85 @@ class ReleasedSheet {
     return !curve_.closed || std::abs(d) <= 0.5 * length_ ? d : d - std::copysign(length_, d);
   }
 
-  /// Halves the edges of the active triangles that need it; triangles without such edges are done. Returns false if the
-  /// limit of points is reached.
-  bool refine() {
-    std::vector<std::uint64_t> edges;
+  /// Edges of the active triangles.
+  struct Edges {
+    std::vector<std::uint64_t> keys;   ///< ascending
+    std::vector<std::uint8_t> inside;  ///< the midpoint is in the flow
+    std::vector<std::uint8_t> halve;
+    std::vector<std::uint8_t> bad;  ///< too wide, or across a region without flow
+    bool rims = false;              ///< edges at rims are halved
+
+    std::size_t size() const { return keys.size(); }
+    std::pair<std::uint32_t, std::uint32_t> ends(std::size_t e) const {
+      return {static_cast<std::uint32_t>(keys[e] >> 32), static_cast<std::uint32_t>(keys[e])};
+    }
+    /// The edge of these nodes; size() if there is none.
+    std::size_t find(std::uint32_t a, std::uint32_t b) const {
+      const auto found = std::lower_bound(keys.begin(), keys.end(), edge_key(a, b));
+      return found != keys.end() && *found == edge_key(a, b) ? static_cast<std::size_t>(found - keys.begin()) : size();
+    }
+  };
+
+  // Extent of an edge, over the distance of seeds and over that of rows.
+  double part_s(std::uint32_t a, std::uint32_t b) const { return std::abs(along(a, b)) / spacing_; }
+  double part_row(std::uint32_t a, std::uint32_t b) const { return std::abs(row_[a] - row_[b]) / row_spacing_; }
+
+  /// Finds the edges, and those to be halved.
+  Edges judge_edges() const {
+    Edges edges;
     for (const Triangle& t : active_)
-      for (std::size_t k = 0; k < 3; ++k) edges.push_back(edge_key(t[k], t[(k + 1) % 3]));
-    std::sort(edges.begin(), edges.end());
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+      for (std::size_t k = 0; k < 3; ++k) edges.keys.push_back(edge_key(t[k], t[(k + 1) % 3]));
+    std::sort(edges.keys.begin(), edges.keys.end());
+    edges.keys.erase(std::unique(edges.keys.begin(), edges.keys.end()), edges.keys.end());
     const std::size_t n = edges.size();
-    const auto ends = [&](std::size_t e) {
-      return std::pair{static_cast<std::uint32_t>(edges[e] >> 32), static_cast<std::uint32_t>(edges[e])};
-    };
-    // Flow at the midpoints.
     std::vector<Vec3> places(n), vectors(n);
-    std::vector<std::uint8_t> inside(n);
-    for (std::size_t e = 0; e < n; ++e)
-      places[e] = (particles_.positions[ends(e).first] + particles_.positions[ends(e).second]) * 0.5;
-    field_.evaluate(places, std::vector<double>(n, end_), vectors, inside);
-    // Extent of an edge, over the distance of seeds and over that of rows.
-    const auto part_s = [&](std::size_t e) { return std::abs(along(ends(e).first, ends(e).second)) / spacing_; };
-    const auto part_row = [&](std::size_t e) {
-      return std::abs(row_[ends(e).first] - row_[ends(e).second]) / row_spacing_;
-    };
-    const auto number_of = [&](std::uint32_t a, std::uint32_t b) {
-      const auto found = std::lower_bound(edges.begin(), edges.end(), edge_key(a, b));
-      return found != edges.end() && *found == edge_key(a, b) ? static_cast<std::size_t>(found - edges.begin()) : n;
-    };
-    std::vector<std::uint8_t> halve(n, 0), bad(n, 0);
+    edges.inside.resize(n), edges.halve.resize(n), edges.bad.resize(n);
     for (std::size_t e = 0; e < n; ++e) {
-      const auto [a, b] = ends(e);
+      const auto [a, b] = edges.ends(e);
+      places[e] = (particles_.positions[a] + particles_.positions[b]) * 0.5;
+    }
+    field_.evaluate(places, std::vector<double>(n, end_), vectors, edges.inside);
+    for (std::size_t e = 0; e < n; ++e) {
+      const auto [a, b] = edges.ends(e);
       if (!arrived(a) || !arrived(b)) continue;
       const bool wide = distance(a, b) > options_.alpha * spacing_;
-      bad[e] = wide || inside[e] == 0;
+      edges.bad[e] = wide || edges.inside[e] == 0;
       // Below the integration error all particles between are noise, even if released far apart in time.
-      halve[e] = wide && inside[e] != 0 && (part_s(e) > 0 ? part_s(e) : part_row(e)) > least_part_;
+      const double part = part_s(a, b) > 0 ? part_s(a, b) : part_row(a, b);
+      edges.halve[e] = wide && edges.inside[e] != 0 && part > least_part_;
     }
-    // At rims all edges of a triangle are halved; otherwise some would never become short.
-    bool rims = false;
+    halve_rims(edges);
+    return edges;
+  }
+
+  /// At rims all edges of a triangle are halved; otherwise some would never become short.
+  void halve_rims(Edges& edges) const {
     for (const Triangle& t : active_) {
       const bool some = arrived(t[0]) || arrived(t[1]) || arrived(t[2]);
       bool rim = some && !(arrived(t[0]) && arrived(t[1]) && arrived(t[2]));
       std::array<std::size_t, 3> of{};
       for (std::size_t k = 0; k < 3; ++k) {
-        of[k] = number_of(t[k], t[(k + 1) % 3]);
-        rim = rim || (bad[of[k]] != 0 && inside[of[k]] == 0);
+        of[k] = edges.find(t[k], t[(k + 1) % 3]);
+        rim = rim || (edges.bad[of[k]] != 0 && edges.inside[of[k]] == 0);
       }
       if (!rim) continue;
-      for (const std::size_t e : of)
-        if (std::max(part_s(e), part_row(e)) > kLeastPartAtRim) halve[e] = 1, rims = true;
+      for (const std::size_t e : of) {
+        const auto [a, b] = edges.ends(e);
+        if (std::max(part_s(a, b), part_row(a, b)) > kLeastPartAtRim) edges.halve[e] = 1, edges.rims = true;
+      }
     }
+  }
+
+  /// Halves the edges of the active triangles that need it; triangles without such edges are done. Returns false if the
+  /// limit of points is reached.
+  bool refine() {
+    const Edges edges = judge_edges();
+    const std::size_t n = edges.size();
     std::vector<std::uint32_t> middle(n, kNothing);
     std::vector<double> s, row;
     for (std::size_t e = 0; e < n; ++e) {
-      if (halve[e] == 0) continue;
-      const auto [a, b] = ends(e);
+      if (edges.halve[e] == 0) continue;
+      const auto [a, b] = edges.ends(e);
       middle[e] = static_cast<std::uint32_t>(s_.size() + s.size());
       const double half = s_[a] + 0.5 * along(a, b);
       s.push_back(!curve_.closed ? half : half < 0 ? half + length_ : half >= length_ ? half - length_ : half);
@@ -215,15 +239,15 @@ class ReleasedSheet {
       sheet_.report.complete = false;
     }
     for (std::size_t e = 0; e < n; ++e)
-      if (bad[e] != 0 && middle[e] == kNothing) torn_.push_back(edges[e]);
+      if (edges.bad[e] != 0 && middle[e] == kNothing) torn_.push_back(edges.keys[e]);
     std::vector<Triangle> parts, done;
     const auto divide = [&](const Triangle& t) {
       std::array<std::uint32_t, 3> m{};
       bool whole = true;
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::size_t e = number_of(t[k], t[(k + 1) % 3]);
+        const std::size_t e = edges.find(t[k], t[(k + 1) % 3]);
         m[k] = e < n ? middle[e] : kNothing;
-        whole = whole && arrived(t[k]) && (e == n || bad[e] == 0);
+        whole = whole && arrived(t[k]) && (e == n || edges.bad[e] == 0);
       }
       if (m[0] != kNothing || m[1] != kNothing || m[2] != kNothing)
         cut(t, m, parts);
@@ -231,7 +255,7 @@ class ReleasedSheet {
         done.push_back(t);
     };
     // Finished triangles share edges with those at rims.
-    if (rims && room) {
+    if (edges.rims && room) {
       for (const Triangle& t : sheet_.triangles) divide(t);
       sheet_.triangles.clear();
     }

@@ -66,6 +66,16 @@ struct CreaseZone {
   bool corner_near(std::uint32_t v, const Vec3& p, double distance) const;
   void merge_coincident();
   std::size_t flip_crossing();
+  /// An edge that crosses a crease.
+  struct Crossing {
+    std::uint32_t from, to;
+    double low = 0, high = 1;  ///< the crease is between these positions on the edge
+    std::uint32_t next = 0;    ///< piece on which the edge leaves those of its first vertex
+    std::size_t first = 0;     ///< index of its first meeting
+  };
+  std::vector<Crossing> find_crossings() const;
+  /// Candidates for a vertex on each crossing, those of an edge together.
+  std::vector<Meeting> meetings_on(std::vector<Crossing>& crossings) const;
   std::size_t split_crossing(int round);
   std::size_t split_triangles();
   std::uint32_t add_vertex(const Vec3& p, double h, const Meeting& m);

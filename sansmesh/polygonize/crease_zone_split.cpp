@@ -64,13 +64,7 @@ std::size_t CreaseZone::flip_crossing() {
   return count;
 }
 
-std::size_t CreaseZone::split_crossing(int round) {
-  struct Crossing {
-    std::uint32_t from, to;
-    double low = 0, high = 1;
-    std::uint32_t next = 0;  ///< piece on which the edge leaves those of its first vertex
-    std::size_t first = 0;   ///< index of its first meeting
-  };
+std::vector<CreaseZone::Crossing> CreaseZone::find_crossings() const {
   std::vector<Crossing> crossings;
   for (std::uint32_t h = 0; h < 3 * surface.triangles(); ++h) {
     const std::uint32_t g = surface.twin(h);
@@ -97,6 +91,10 @@ std::size_t CreaseZone::split_crossing(int round) {
       }
     }
   }
+  return crossings;
+}
+
+std::vector<Meeting> CreaseZone::meetings_on(std::vector<Crossing>& crossings) const {
   std::vector<Meeting> meetings;
   for (Crossing& c : crossings) {
     c.first = meetings.size();
@@ -120,6 +118,12 @@ std::size_t CreaseZone::split_crossing(int round) {
     }
   }
   find_meetings(field, meetings);
+  return meetings;
+}
+
+std::size_t CreaseZone::split_crossing(int round) {
+  std::vector<Crossing> crossings = find_crossings();
+  const std::vector<Meeting> meetings = meetings_on(crossings);
   std::vector<std::uint32_t> added;
   for (std::size_t i = 0; i < crossings.size(); ++i) {
     const std::uint32_t h = surface.find(crossings[i].from, crossings[i].to), g = surface.twin(h);

@@ -154,11 +154,6 @@ bool prune_block(const PieceExpression& field, const Vec3& center, double edge, 
   return prune(nodes, left, sign, same) == KnownSign::unknown;
 }
 
-struct OpenBlock {
-  std::uint32_t block;
-  std::uint32_t first, count;  ///< nodes of the parent block, on the previous level
-};
-
 constexpr std::size_t kChunkOfBlocks = 256;
 
 struct ChunkOfBlocks {
@@ -167,29 +162,58 @@ struct ChunkOfBlocks {
   std::vector<std::uint8_t> verdict;
 };
 
-/// One level of the tree: prunes the expression in each block and calls `see(center, edge, nodes)`.
+/// Blocks of one level of the tree, with what their parents leave of the expression.
+struct OpenBlocks {
+  struct Block {
+    std::uint32_t block;
+    std::uint32_t first, count;  ///< nodes of the parent block
+  };
+  std::vector<Block> blocks;
+  std::vector<PieceNode> nodes;
+
+  OpenBlocks() = default;
+  explicit OpenBlocks(const PieceExpression& field)
+      : blocks{{0, 0, static_cast<std::uint32_t>(field.nodes().size())}}, nodes(field.nodes()) {}
+
+  void add_children(const ChunkOfBlocks& chunk, const PieceBlocks::Leaf& parent, std::uint32_t first_child) {
+    if (appended_ != &chunk) {
+      appended_ = &chunk;
+      offset_ = static_cast<std::uint32_t>(nodes.size());
+      nodes.insert(nodes.end(), chunk.nodes.begin(), chunk.nodes.end());
+    }
+    for (std::uint32_t k = 0; k < 8; ++k) blocks.push_back({first_child + k, offset_ + parent.first, parent.count});
+  }
+
+ private:
+  const ChunkOfBlocks* appended_ = nullptr;
+  std::uint32_t offset_ = 0;
+};
+
+/// Prunes the expression in each block and calls `see(center, edge, nodes)`.
 template <class See>
-std::vector<ChunkOfBlocks> look_at_level(const PieceExpression& field, const BlockTree& tree,
-                                         const std::vector<OpenBlock>& open, const std::vector<PieceNode>& above,
+std::vector<ChunkOfBlocks> look_at_level(const PieceExpression& field, const BlockTree& tree, const OpenBlocks& open,
                                          See&& see) {
-  const std::size_t chunks = (open.size() + kChunkOfBlocks - 1) / kChunkOfBlocks;
+  const std::size_t n = open.blocks.size(), chunks = (n + kChunkOfBlocks - 1) / kChunkOfBlocks;
   std::vector<ChunkOfBlocks> found(chunks);
   parallel_for(0, chunks, 1, [&](std::size_t c) {
     ChunkOfBlocks& chunk = found[c];
-    const std::size_t end = std::min(open.size(), (c + 1) * kChunkOfBlocks);
-    for (std::size_t i = c * kChunkOfBlocks; i < end; ++i) {
+    for (std::size_t i = c * kChunkOfBlocks; i < std::min(n, (c + 1) * kChunkOfBlocks); ++i) {
       check_cancelled();
-      const OpenBlock& o = open[i];
+      const OpenBlocks::Block& o = open.blocks[i];
       const Vec3 center = tree.block_center(o.block);
       const double edge = tree.block_edge(o.block);
       const auto first = static_cast<std::uint32_t>(chunk.nodes.size());
-      if (!prune_block(field, center, edge, std::span(above).subspan(o.first, o.count), chunk.nodes)) continue;
+      if (!prune_block(field, center, edge, std::span(open.nodes).subspan(o.first, o.count), chunk.nodes)) continue;
       const auto count = static_cast<std::uint32_t>(chunk.nodes.size() - first);
       chunk.met.push_back({o.block, first, count});
       chunk.verdict.push_back(see(center, edge, std::span<const PieceNode>(chunk.nodes).subspan(first, count)));
     }
   });
   return found;
+}
+std::vector<ChunkOfBlocks> look_at_level(const PieceExpression& field, const BlockTree& tree, const OpenBlocks& open) {
+  return look_at_level(field, tree, open,
+                       [](const Vec3&, double, std::span<const PieceNode>) { return std::uint8_t{0}; });
 }
 
 /// Blocks halve from the root on, so that a piece has blocks between the largest allowed size and half of it. Returns
@@ -200,21 +224,15 @@ double best_root(const PieceExpression& field, const Vec3& lower, double edge, c
     double edge, area;
   };
   std::vector<Allowed> all;
-  std::vector<OpenBlock> open{{0, 0, static_cast<std::uint32_t>(field.nodes().size())}};
-  std::vector<PieceNode> above(field.nodes());
-  for (int level = 0; !open.empty(); ++level) {
-    const std::vector<ChunkOfBlocks> found = look_at_level(
-        field, tree, open, above, [](const Vec3&, double, std::span<const PieceNode>) { return std::uint8_t{0}; });
-    const bool last = level == kSurveyLevels || 8 * open.size() > kSurveyBlocks;
-    open.clear();
-    above.clear();
-    for (const ChunkOfBlocks& c : found) {
-      const auto offset = static_cast<std::uint32_t>(above.size());
-      if (!last) above.insert(above.end(), c.nodes.begin(), c.nodes.end());
+  OpenBlocks open(field);
+  for (int level = 0; !open.blocks.empty(); ++level) {
+    const std::vector<ChunkOfBlocks> found = look_at_level(field, tree, open);
+    const bool last = level == kSurveyLevels || 8 * open.blocks.size() > kSurveyBlocks;
+    open = {};
+    for (const ChunkOfBlocks& c : found)
       for (const PieceBlocks::Leaf& m : c.met) {
         if (!last) {
-          const auto child = static_cast<std::uint32_t>(tree.subdivide(m.block));
-          for (std::uint32_t k = 0; k < 8; ++k) open.push_back({child + k, offset + m.first, m.count});
+          open.add_children(c, m, static_cast<std::uint32_t>(tree.subdivide(m.block)));
           continue;
         }
         const double e = tree.block_edge(m.block);
@@ -228,7 +246,6 @@ double best_root(const PieceExpression& field, const Vec3& lower, double edge, c
           if (allowed < e) all.push_back({allowed, std::min(e * e, 4 / (bend * bend))});
         }
       }
-    }
   }
   double best = 1, least = 0;
   for (int k = 0; k < kSizesOfRoot; ++k) {
@@ -242,6 +259,61 @@ double best_root(const PieceExpression& field, const Vec3& lower, double edge, c
     if (blocks < least) least = blocks, best = root;
   }
   return best;
+}
+
+/// Divides the blocks level by level; false if there are more than allowed.
+bool divide_where_needed(const PieceExpression& field, const PieceBlockOptions& options, const Chooser& chooser,
+                         Progress& progress, PieceBlocks& result) {
+  BlockTree& tree = result.tree;
+  OpenBlocks open(field);
+  for (int level = 0; !open.blocks.empty(); ++level) {
+    progress.check();
+    const std::vector<ChunkOfBlocks> found =
+        look_at_level(field, tree, open, [&](const Vec3& center, double e, std::span<const PieceNode> nodes) {
+          return static_cast<std::uint8_t>(level < kLeastLevel ? Chooser::Verdict::cut
+                                                               : chooser.look(center, e, nodes));
+        });
+    const double e = result.scale / static_cast<double>(1u << level);
+    const bool may_cut = level < BlockTree::kMaxLevel && (options.cell == 0 || e > 1.0001 * options.cell);
+    open = {};
+    for (const ChunkOfBlocks& c : found) {
+      for (std::size_t i = 0; i < c.met.size(); ++i) {
+        const auto verdict = static_cast<Chooser::Verdict>(c.verdict[i]);
+        if (verdict == Chooser::Verdict::too_small) result.unresolved = e;
+        if (!may_cut || verdict == Chooser::Verdict::fine || verdict == Chooser::Verdict::too_small) continue;
+        open.add_children(c, c.met[i], static_cast<std::uint32_t>(tree.subdivide(c.met[i].block)));
+      }
+      if (tree.size() > options.most_blocks) return false;
+    }
+  }
+  tree.balance();
+  return true;
+}
+
+/// Collects the leaves with their expressions, in the order of the tree.
+void collect_leaves(const PieceExpression& field, Progress& progress, PieceBlocks& result) {
+  const BlockTree& tree = result.tree;
+  OpenBlocks open(field);
+  while (!open.blocks.empty()) {
+    progress.check();
+    const std::vector<ChunkOfBlocks> found = look_at_level(field, tree, open);
+    open = {};
+    for (const ChunkOfBlocks& c : found)
+      for (const PieceBlocks::Leaf& m : c.met) {
+        if (!tree.is_leaf(m.block)) {
+          open.add_children(c, m, static_cast<std::uint32_t>(tree[m.block].first_child));
+          continue;
+        }
+        const auto first = static_cast<std::uint32_t>(result.nodes.size());
+        result.nodes.insert(result.nodes.end(), c.nodes.begin() + m.first, c.nodes.begin() + m.first + m.count);
+        result.leaves.push_back({m.block, first, m.count});
+      }
+  }
+  std::vector<std::uint32_t> rank(tree.size(), 0);
+  const std::vector<std::uint32_t> leaves = tree.leaves();
+  for (std::size_t i = 0; i < leaves.size(); ++i) rank[leaves[i]] = static_cast<std::uint32_t>(i);
+  std::sort(result.leaves.begin(), result.leaves.end(),
+            [&](const PieceBlocks::Leaf& a, const PieceBlocks::Leaf& b) { return rank[a.block] < rank[b.block]; });
 }
 
 }  // namespace
@@ -273,73 +345,12 @@ PieceBlocks piece_blocks(const PieceExpression& field, const Box3& box, const Pi
   Vec3 lower = box.center() - Vec3{edge, edge, edge} * 0.5;
   for (std::size_t k = 0; k < 3; ++k) lower[k] += (std::fmod(kShift[k] + shift, 1.0) - 0.5) * 0.9 * room;
   PieceBlocks result{BlockTree(lower, edge), {}, {}, edge, 0, false};
-  BlockTree& tree = result.tree;
-  const Chooser chooser{field, options, options.cell > 0 ? edge : scale};
   progress.begin("blocks");
-  std::vector<OpenBlock> open{{0, 0, static_cast<std::uint32_t>(field.nodes().size())}};
-  std::vector<PieceNode> above(field.nodes());
-  for (int level = 0; !open.empty(); ++level) {
-    progress.check();
-    const std::vector<ChunkOfBlocks> found =
-        look_at_level(field, tree, open, above, [&](const Vec3& center, double e, std::span<const PieceNode> nodes) {
-          return static_cast<std::uint8_t>(level < kLeastLevel ? Chooser::Verdict::cut
-                                                               : chooser.look(center, e, nodes));
-        });
-    const double e = edge / static_cast<double>(1u << level);
-    const bool may_cut = level < BlockTree::kMaxLevel && (options.cell == 0 || e > 1.0001 * options.cell);
-    open.clear();
-    above.clear();
-    for (const ChunkOfBlocks& c : found) {
-      const auto offset = static_cast<std::uint32_t>(above.size());
-      bool any = false;
-      for (std::size_t i = 0; i < c.met.size(); ++i) {
-        const auto verdict = static_cast<Chooser::Verdict>(c.verdict[i]);
-        if (verdict == Chooser::Verdict::too_small) result.unresolved = e;
-        if (!may_cut || verdict == Chooser::Verdict::fine || verdict == Chooser::Verdict::too_small) continue;
-        any = true;
-        const auto child = static_cast<std::uint32_t>(tree.subdivide(c.met[i].block));
-        for (std::uint32_t k = 0; k < 8; ++k) open.push_back({child + k, offset + c.met[i].first, c.met[i].count});
-      }
-      if (any) above.insert(above.end(), c.nodes.begin(), c.nodes.end());
-      if (tree.size() > options.most_blocks) {
-        result.too_many = true;
-        return result;
-      }
-    }
+  if (!divide_where_needed(field, options, {field, options, options.cell > 0 ? edge : scale}, progress, result)) {
+    result.too_many = true;
+    return result;
   }
-  tree.balance();
-
-  // Second pass from the root, now that the leaves are known.
-  std::vector<std::uint32_t> rank(tree.size(), 0);
-  {
-    const std::vector<std::uint32_t> leaves = tree.leaves();
-    for (std::size_t i = 0; i < leaves.size(); ++i) rank[leaves[i]] = static_cast<std::uint32_t>(i);
-  }
-  open = {{0, 0, static_cast<std::uint32_t>(field.nodes().size())}};
-  above = field.nodes();
-  while (!open.empty()) {
-    progress.check();
-    const std::vector<ChunkOfBlocks> found = look_at_level(
-        field, tree, open, above, [](const Vec3&, double, std::span<const PieceNode>) { return std::uint8_t{0}; });
-    open.clear();
-    above.clear();
-    for (const ChunkOfBlocks& c : found) {
-      const auto offset = static_cast<std::uint32_t>(above.size());
-      above.insert(above.end(), c.nodes.begin(), c.nodes.end());
-      for (const PieceBlocks::Leaf& m : c.met) {
-        if (tree.is_leaf(m.block)) {
-          const auto first = static_cast<std::uint32_t>(result.nodes.size());
-          result.nodes.insert(result.nodes.end(), c.nodes.begin() + m.first, c.nodes.begin() + m.first + m.count);
-          result.leaves.push_back({m.block, first, m.count});
-          continue;
-        }
-        const auto child = static_cast<std::uint32_t>(tree[m.block].first_child);
-        for (std::uint32_t k = 0; k < 8; ++k) open.push_back({child + k, offset + m.first, m.count});
-      }
-    }
-  }
-  std::sort(result.leaves.begin(), result.leaves.end(),
-            [&](const PieceBlocks::Leaf& a, const PieceBlocks::Leaf& b) { return rank[a.block] < rank[b.block]; });
+  collect_leaves(field, progress, result);
   progress.finish();
   return result;
 }
