@@ -38,7 +38,6 @@ class CutMap final : public SpaceMap {
 
   std::shared_ptr<const SpaceMap> exact_;
   DisplacementMap lattice_;
-  Vec3 spacing_;
   std::vector<std::uint8_t> beside_cut_;  // per cell
 };
 

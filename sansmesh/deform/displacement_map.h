@@ -9,6 +9,7 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/core/shared_array.h"
+#include "sansmesh/deform/box_lattice.h"
 #include "sansmesh/grid_data.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/space_map.h"
@@ -28,8 +29,7 @@ class DisplacementMap final : public SpaceMap {
   DisplacementMap(const Box3& box, const std::array<std::size_t, 3>& sizes, SharedArray<Vec3f> displacements,
                   SharedArray<float> gaps = {});
 
-  const Box3& box() const { return box_; }
-  const std::array<std::size_t, 3>& sizes() const { return sizes_; }
+  const BoxLattice& lattice() const { return lattice_; }
   const SharedArray<Vec3f>& displacements() const { return displacements_; }
   const SharedArray<float>& gaps() const { return gaps_; }
 
@@ -49,18 +49,13 @@ class DisplacementMap final : public SpaceMap {
   Node node_of(std::size_t p) const;
   Box3f bounds_of_points(const std::array<std::size_t, 3>& first, const std::array<std::size_t, 3>& last) const;
 
-  Box3 box_;
-  std::array<std::size_t, 3> sizes_{}, blocks_{};
-  Vec3 spacing_;
+  BoxLattice lattice_;
+  std::array<std::size_t, 3> blocks_{};
   SharedArray<Vec3f> displacements_;
   SharedArray<float> gaps_;
   std::vector<Box3f> block_bounds_;  ///< bounds of the displacements, per block of points
   std::vector<Node> nodes_;          ///< cached unless there are too many
 };
-
-/// Sizes of a lattice of approximately cubic cells over a box: `longest` (>= 2) points along its longest side, at least
-/// 2 along each.
-std::array<std::size_t, 3> lattice_sizes(const Box3& box, std::size_t longest);
 
 /// Samples a map on a lattice of 2 to 4096 points per axis over a box. `gaps` is present only if the map has some; its
 /// values are clamped from below to minus the box's width. The stage of `progress` is "displacement map". Throws

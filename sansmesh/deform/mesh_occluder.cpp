@@ -8,7 +8,7 @@
 #include <mutex>
 #include <vector>
 
-#include "sansmesh/deform/free_ways.h"
+#include "sansmesh/deform/detour_lattice.h"
 #include "sansmesh/deform/triangle_sheet.h"
 #include "sansmesh/error.h"
 
@@ -31,14 +31,11 @@ Box3 domain_of(const Box3& sheet, const MeshOccluderOptions& options) {
 class MeshOccluder final : public Occluder {
  public:
   MeshOccluder(const TriangleMesh& mesh, const MeshOccluderOptions& options)
-      : sheet_(mesh), ways_(sheet_, domain_of(sheet_.bounds(), options), options.resolution) {}
+      : sheet_(mesh), lattice_(sheet_, domain_of(sheet_.bounds(), options), options.resolution) {}
 
   void detours(const Vec3& handle, std::span<const Vec3> x, std::span<Detour> found) const override {
     const std::vector<float>& extras = extras_from(handle);
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const FreeWays::Value v = ways_.interpolate(extras, x[i]);
-      found[i] = {v.value, v.gradient};
-    }
+    for (std::size_t i = 0; i < x.size(); ++i) found[i] = lattice_.interpolate(extras, x[i]);
   }
 
   void gaps(std::span<const Vec3> x, std::span<const Vec3> sources, std::span<const std::array<Vec3, 3>> jacobians,
@@ -79,7 +76,7 @@ class MeshOccluder final : public Occluder {
       const std::lock_guard lock(mutex_);
       entry = &handles_[{handle.x, handle.y, handle.z}];
     }
-    std::call_once(entry->once, [&] { entry->extras = ways_.extras(handle); });
+    std::call_once(entry->once, [&] { entry->extras = lattice_.extra_lengths(handle); });
     return entry->extras;
   }
 
@@ -129,7 +126,7 @@ class MeshOccluder final : public Occluder {
   }
 
   TriangleSheet sheet_;
-  FreeWays ways_;
+  DetourLattice lattice_;
   mutable std::mutex mutex_;
   mutable std::map<std::array<double, 3>, Entry> handles_;
 };

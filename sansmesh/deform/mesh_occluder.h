@@ -26,7 +26,8 @@ struct MeshOccluderOptions {
 /// An open surface, flat or curved, of any number of components; detours lead around its border. Points beyond a
 /// surface without a border are unreachable: detours there are finite, a million times the size of the lattice.
 ///
-/// - Detours are computed on a lattice (FreeWays), for each handle on first use, and cached. Their error is a fraction
+/// - Detours are computed on a lattice (DetourLattice), for each handle on first use, and cached. Their error is a
+/// fraction
 ///   of a cell; detail of the surface finer than a cell is missed. Points within a cell of the shadow's edge may have a
 ///   detour, of the order of the squared cell size over the distance from the border.
 /// - Gaps: with a and b the distances of x and of its source from the surface, the depth is the smaller of ab/(a + b)

@@ -145,8 +145,8 @@ TEST(DisplacementMap, GoesThroughABlockOfAGrid) {
   const DisplacementMap lattice = lattice_of(Formula(true, true));
   GridBlock block = displacement_block(lattice);
   const DisplacementMap back = displacement_map_of(block);
-  EXPECT_EQ(back.sizes(), lattice.sizes());
-  EXPECT_LT(norm(back.box().upper - kBox.upper), 1e-14);
+  EXPECT_EQ(back.lattice().sizes, lattice.lattice().sizes);
+  EXPECT_LT(norm(back.lattice().box.upper - kBox.upper), 1e-14);
   EXPECT_EQ(back.displacements().copy(), lattice.displacements().copy());
   EXPECT_EQ(back.gaps().copy(), lattice.gaps().copy());
   const auto refuses = [](const GridBlock& b, const char* part) {
