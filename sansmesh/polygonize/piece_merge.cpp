@@ -32,8 +32,8 @@ struct Merging {
   const PieceMergeOptions& options;
   EditableSurface surface;
   std::vector<std::uint32_t> into;  ///< per vertex: the vertex that it was merged into, or itself
-  std::vector<std::uint8_t> touched, open,
-      queued;  ///< per vertex: changed in this pass, to be visited in this pass, in the next
+  /// Per vertex: changed in this pass, to be visited in this pass, in the next.
+  std::vector<std::uint8_t> touched, open, queued;
   std::size_t region_size;
   std::vector<std::vector<std::uint32_t>> now, next;  ///< per region: vertices of this pass and the next
 
