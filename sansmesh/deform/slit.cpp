@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/mesh/deformed_mesh.h"
@@ -20,12 +21,6 @@ constexpr double kSnap = 1e-3;        // fraction of an edge: vertices closer to
 constexpr double kMostRounded = 0.5;  // largest rounding error over the distance to the triangles' centroids
 constexpr int kSnapRounds = 4;
 constexpr std::size_t kEdgesAtATime = 1024;
-
-std::uint64_t slit_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
-}
-std::uint32_t smaller_end(std::uint64_t key) { return static_cast<std::uint32_t>(key >> 32); }
-std::uint32_t larger_end(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 
 class SlitMaker {
  public:
@@ -43,8 +38,8 @@ class SlitMaker {
       std::unordered_set<std::uint64_t> split;
       for (const std::size_t t : bad_)
         for (std::size_t k = 0; k < 3; ++k)
-          split.insert(slit_key(mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3]));
-      split_edges(mesh_, [&](std::uint32_t a, std::uint32_t b) { return split.count(slit_key(a, b)) != 0; });
+          split.insert(edge_key(mesh_.triangles[t][k], mesh_.triangles[t][(k + 1) % 3]));
+      split_edges(mesh_, [&](std::uint32_t a, std::uint32_t b) { return split.count(edge_key(a, b)) != 0; });
     }
     Slit slit;
     slit.unopened = bad_.size();
@@ -79,7 +74,7 @@ class SlitMaker {
     edges.reserve(3 * mesh_.triangles.size());
     for (const Triangle& t : mesh_.triangles)
       if (good(t))
-        for (std::size_t k = 0; k < 3; ++k) edges.push_back(slit_key(t[k], t[(k + 1) % 3]));
+        for (std::size_t k = 0; k < 3; ++k) edges.push_back(edge_key(t[k], t[(k + 1) % 3]));
     parallel_sort(edges);
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     std::vector<std::vector<double>> found((edges.size() + kEdgesAtATime - 1) / kEdgesAtATime);
@@ -173,7 +168,7 @@ class SlitMaker {
           const std::uint32_t v = t[(least + 1) % 3], w = t[(least + 2) % 3];
           const double along = share[(least + 2) % 3] / (share[(least + 1) % 3] + share[(least + 2) % 3]);
           const Place place{v < w ? along : 1 - along};
-          const auto [at, fresh] = places_.try_emplace(slit_key(v, w), place);
+          const auto [at, fresh] = places_.try_emplace(edge_key(v, w), place);
           // On an edge along the cut, rounding decides the position of the crossing.
           if (!fresh && runs_along(v, w)) at->second = place;
         } else {
@@ -191,7 +186,7 @@ class SlitMaker {
 
   /// Whether the cut runs along an edge from one of its ends, which is on it, to the crossing on the edge.
   bool runs_along(std::uint32_t v, std::uint32_t w) const {
-    const std::uint64_t key = slit_key(v, w);
+    const std::uint64_t key = edge_key(v, w);
     const auto place = places_.find(key);
     if (place == places_.end() || (on_cut_[v] != 0) == (on_cut_[w] != 0)) return false;
     const Vec3 a = world(smaller_end(key)), b = world(larger_end(key));
@@ -219,7 +214,7 @@ class SlitMaker {
       std::size_t corners = 0, edges = 0, along = 0;
       bool bad = false, beside = false;  // a corner on the cut, and a crossing on an edge at that corner
       for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint64_t key = slit_key(t[k], t[(k + 1) % 3]);
+        const std::uint64_t key = edge_key(t[k], t[(k + 1) % 3]);
         corners += on_cut_[t[k]];
         bad = bad || twice_.count(key) != 0;
         if (places_.count(key) == 0) continue;
@@ -256,7 +251,7 @@ class SlitMaker {
       const Triangle& t = mesh_.triangles[i];
       if (look.way != Way::across) continue;
       for (std::size_t k = 0; k < 3; ++k)
-        if (on_cut_[t[k]] && on_cut_[t[(k + 1) % 3]]) cut_edges_.insert(slit_key(t[k], t[(k + 1) % 3]));
+        if (on_cut_[t[k]] && on_cut_[t[(k + 1) % 3]]) cut_edges_.insert(edge_key(t[k], t[(k + 1) % 3]));
     }
   }
 
@@ -265,7 +260,7 @@ class SlitMaker {
       const Vec3 a = world(t[k]), b = world(t[(k + 1) % 3]);
       const double close = kSnap * norm(b - a);
       if (on_cut_[t[k]] && norm(p - a) < close) return true;
-      const auto at = places_.find(slit_key(t[k], t[(k + 1) % 3]));
+      const auto at = places_.find(edge_key(t[k], t[(k + 1) % 3]));
       if (at == places_.end()) continue;
       const double share = t[k] < t[(k + 1) % 3] ? at->second.share : 1 - at->second.share;
       if (norm(p - (a + (b - a) * share)) < close) return true;
@@ -274,7 +269,7 @@ class SlitMaker {
   }
 
   std::uint32_t vertex_on(std::uint32_t a, std::uint32_t b) {
-    const std::uint64_t key = slit_key(a, b);
+    const std::uint64_t key = edge_key(a, b);
     const auto place = places_.find(key);
     if (place == places_.end()) return kNoVertex;
     const auto [at, fresh] = made_.try_emplace(key, kNoVertex);
@@ -328,18 +323,18 @@ class SlitMaker {
         const std::uint32_t tip = vertex_within(t, look.tip);
         if (splits == 1) {
           add(t[0], m[0], tip), add(m[0], t[1], tip), add(t[1], t[2], tip), add(t[2], t[0], tip);
-          cut_edges_.insert(slit_key(m[0], tip));
+          cut_edges_.insert(edge_key(m[0], tip));
         } else {
           while (!on_cut_[t[0]]) turn();
           add(t[0], t[1], tip), add(t[1], t[2], tip), add(t[2], t[0], tip);
-          cut_edges_.insert(slit_key(t[0], tip));
+          cut_edges_.insert(edge_key(t[0], tip));
         }
       } else if (splits == 0) {
         result.push_back(t);
       } else if (splits == 1) {
         add(t[0], m[0], t[2]), add(m[0], t[1], t[2]);
-        if (look.way == Way::across) cut_edges_.insert(slit_key(m[0], t[2]));
-        if (look.way == Way::along) cut_edges_.insert(slit_key(m[0], on_cut_[t[0]] ? t[0] : t[1]));
+        if (look.way == Way::across) cut_edges_.insert(edge_key(m[0], t[2]));
+        if (look.way == Way::along) cut_edges_.insert(edge_key(m[0], on_cut_[t[0]] ? t[0] : t[1]));
       } else if (splits == 2) {
         add(m[0], t[1], m[1]);
         if (norm(world(t[0]) - world(m[1])) <= norm(world(m[0]) - world(t[2]))) {
@@ -347,7 +342,7 @@ class SlitMaker {
         } else {
           add(t[0], m[0], t[2]), add(m[0], m[1], t[2]);
         }
-        if (look.way == Way::across) cut_edges_.insert(slit_key(m[0], m[1]));
+        if (look.way == Way::across) cut_edges_.insert(edge_key(m[0], m[1]));
       } else {
         add(t[0], m[0], m[2]), add(m[0], t[1], m[1]), add(m[2], m[1], t[2]), add(m[0], m[1], m[2]);
       }
@@ -376,7 +371,7 @@ class SlitMaker {
       for (std::uint32_t& v : t)
         if (v < now.size()) v = now[v];
     std::unordered_set<std::uint64_t> edges;
-    for (const std::uint64_t e : cut_edges_) edges.insert(slit_key(now[smaller_end(e)], now[larger_end(e)]));
+    for (const std::uint64_t e : cut_edges_) edges.insert(edge_key(now[smaller_end(e)], now[larger_end(e)]));
     cut_edges_ = std::move(edges);
   }
 
@@ -415,7 +410,7 @@ class SlitMaker {
       std::map<std::uint32_t, std::uint32_t> first;  // first triangle at the other end of an edge
       for (std::uint32_t k = 0; k < fan.size(); ++k)
         for (const std::uint32_t w : before[fan[k]]) {
-          if (w == v || cut_edges_.count(slit_key(v, w)) != 0) continue;
+          if (w == v || cut_edges_.count(edge_key(v, w)) != 0) continue;
           const auto [at, fresh] = first.try_emplace(w, k);
           if (!fresh) groups.join(at->second, k);
         }
@@ -446,7 +441,7 @@ class SlitMaker {
     std::unordered_map<std::uint64_t, std::size_t> index;
     for (std::size_t i = 0; i < before.size(); ++i)
       for (std::size_t k = 0; k < 3 && good(before[i]); ++k) {
-        const std::uint64_t key = slit_key(before[i][k], before[i][(k + 1) % 3]);
+        const std::uint64_t key = edge_key(before[i][k], before[i][(k + 1) % 3]);
         if (cut_edges_.count(key) == 0) continue;
         const Triangle& t = mesh_.triangles[i];
         const auto [at, fresh] = index.try_emplace(key, slit.edges.size());

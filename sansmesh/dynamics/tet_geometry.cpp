@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
@@ -12,7 +13,6 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kTetEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 /// Corners of the face opposite to each corner, counter-clockwise seen from outside.
 constexpr int kTetFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
@@ -20,10 +20,6 @@ double longest_edge(const Tet& t, std::span<const Vec3> x) {
   double longest = 0;
   for (const auto& e : kTetEdges) longest = std::max(longest, norm(x[t[e[1]]] - x[t[e[0]]]));
   return longest;
-}
-
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
 }
 
 /// The eight tetrahedra of one, given by its corners 0..3 and the midpoints 4..9 of its edges; `diagonal` selects two
@@ -102,7 +98,7 @@ TetMesh refine_uniformly(const TetMesh& mesh) {
   fine.vertices.reserve(mesh.vertices.size() + keys.size());
   fine.vertices = mesh.vertices;
   for (const std::uint64_t key : keys) {
-    fine.vertices.push_back((mesh.vertices[key >> 32] + mesh.vertices[key & 0xffffffffu]) * 0.5);
+    fine.vertices.push_back((mesh.vertices[smaller_end(key)] + mesh.vertices[larger_end(key)]) * 0.5);
   }
   fine.tets.resize(8 * mesh.tets.size());
   parallel_for(0, mesh.tets.size(), 1024, [&](std::size_t k) {

@@ -8,6 +8,7 @@
 #include <span>
 #include <utility>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/error.h"
 
@@ -20,11 +21,6 @@ constexpr std::uint32_t kNothing = ~std::uint32_t{0};
 constexpr double kLeastPartAtRim = 1.0 / 8;
 /// Least distance of rows in units of the rounding of moments; closer rows would be released at the same moment.
 constexpr double kLeastSpacing = 4;
-
-/// An unordered pair of nodes.
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
-}
 
 class ReleasedSheet {
  public:
@@ -156,7 +152,7 @@ class ReleasedSheet {
 
     std::size_t size() const { return keys.size(); }
     std::pair<std::uint32_t, std::uint32_t> ends(std::size_t e) const {
-      return {static_cast<std::uint32_t>(keys[e] >> 32), static_cast<std::uint32_t>(keys[e])};
+      return {smaller_end(keys[e]), larger_end(keys[e])};
     }
     /// The edge of these nodes; size() if there is none.
     std::size_t find(std::uint32_t a, std::uint32_t b) const {
