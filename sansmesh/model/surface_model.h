@@ -13,8 +13,8 @@
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/function/fitted_function.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/model/surface_method.h"
-#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
@@ -32,7 +32,7 @@ class SurfaceModel {
   SurfaceModel& operator=(SurfaceModel&&) noexcept;
 
   // All members except the report are in the model's local coordinates.
-  const Placement& place() const;
+  const LocalFrame& frame() const;
 
   /// The surface as a field; for projections, the signed distance to the foot point. The first call may create it, with
   /// progress and cancellation; pictures never need it.

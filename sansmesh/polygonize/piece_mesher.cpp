@@ -7,7 +7,7 @@
 
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/mesh/simplify.h"
+#include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/polygonize/piece_merge.h"
 

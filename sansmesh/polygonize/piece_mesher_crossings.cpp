@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/mesh/self_intersections.h"
+#include "sansmesh/mesh/repair/self_intersections.h"
 
 namespace sansmesh::inline v1 {
 

@@ -11,7 +11,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/self_intersections.h"
+#include "sansmesh/mesh/repair/self_intersections.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/polygonize/piece_blocks.h"
 #include "sansmesh/polygonize/piece_cut.h"

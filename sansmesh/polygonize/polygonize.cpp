@@ -6,8 +6,8 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/clip_mesh.h"
-#include "sansmesh/mesh/simplify.h"
+#include "sansmesh/mesh/edit/clip_mesh.h"
+#include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/polygonize/extraction.h"
 #include "sansmesh/polygonize/surface_chain.h"
