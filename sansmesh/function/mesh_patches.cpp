@@ -1,3 +1,4 @@
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/function/mesh_patches.h"
 
 #include <algorithm>

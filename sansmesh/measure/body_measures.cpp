@@ -1,3 +1,4 @@
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/measure/body_measures.h"
 
 #include <Eigen/Dense>

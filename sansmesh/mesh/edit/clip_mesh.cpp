@@ -1,3 +1,4 @@
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/mesh/edit/clip_mesh.h"
 
 #include <algorithm>

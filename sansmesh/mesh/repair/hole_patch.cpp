@@ -1,3 +1,4 @@
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/mesh/repair/hole_patch.h"
 
 #include <Eigen/SparseCholesky>

@@ -1,3 +1,4 @@
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/mesh/repair/position_edges.h"
 
 #include <algorithm>

@@ -1,3 +1,4 @@
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/mesh/repair/sewn_mesh.h"
 
 #include <algorithm>
