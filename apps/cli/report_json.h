@@ -10,13 +10,13 @@
 
 namespace sansmesh::cli {
 
-/// A report that a command tells with --json, under a key ("output") or beside the others; or a value that only the
-/// command knows.
+/// A report that a command prints with --json, under a key ("output") or at the top level; or a single value of the
+/// command.
 struct ToldReport {
   std::string_view key;
-  const ReportSchema* schema;  ///< null of values
-  bool list = false;           ///< several reports
-  ReportRow value = {};        ///< of a value: its kind and what it is
+  const ReportSchema* schema;  ///< null for values
+  bool list = false;           ///< list of reports
+  ReportRow value = {};        ///< kind and text of a value
 };
 template <HasReport T>
 ToldReport told(std::string_view key = {}) {
@@ -34,16 +34,16 @@ ToldReport told_value(std::string_view key, std::string_view text) {
   return told;
 }
 
-/// Adds a value to an object, "output.lines" to the object that it holds there.
+/// Adds a value to an object; "output.lines" addresses a nested object.
 void put_value(Json& object, std::string_view key, const ReportValue& value);
 /// Adds an empty list.
 void put_list(Json& object, std::string_view key);
-/// Adds what a report tells to an object, or to what it holds under a key. What there is not is null.
+/// Adds a report to an object, or to the nested object under a key. Missing values are null.
 void put_report(Json& object, std::string_view key, const ReportSchema& schema, const void* report);
 /// Adds a report to a list under a key.
 void push_report(Json& object, std::string_view key, const ReportSchema& schema, const void* report);
 
-/// Keys with kinds, units and sentences of all that a command tells, those of lists as "places[].radius".
+/// Keys with kinds, units and descriptions of all reports of a command; keys of lists have the form "places[].radius".
 Json json_of_keys(const std::vector<ToldReport>& told);
 
 }  // namespace sansmesh::cli

@@ -1,4 +1,4 @@
-// Pictures that look at suspicious places, each from outside and near enough to see it with what is around.
+// Close-up pictures of doubtful regions of a surface, seen from outside.
 #pragma once
 
 #include <string>
@@ -17,15 +17,16 @@ class PlacePictures {
   /// The diagnosis must outlive this.
   explicit PlacePictures(const Diagnosis& diagnosis);
 
-  /// A place in the middle of a picture, with a ring around it and a line of text. Of the surface only what is within
-  /// some times its size is drawn. The view is along the normal or, where something else is in front of the place, from
-  /// where most of it is seen; where hardly any is, what is in front of it is cut away; their view does not matter.
+  /// Draws a region in the centre of the picture, with a ring around it and a line of text. Only the surface within a
+  /// multiple of the region's size is drawn. The view is along the normal. If the region is occluded there, the view
+  /// with the largest visible share is used; if hardly any of it is visible, the occluder is cut away. The view in
+  /// `options` is ignored.
   Image of(const SuspiciousPlace& place, const std::string& text, RenderOptions options, Progress& progress) const;
 
  private:
   struct View {
     Vec3 direction;  ///< towards the viewer
-    double seen;     ///< share of the place that is
+    double seen;     ///< visible share of the region
   };
   View best_view(const SuspiciousPlace& place, double reach) const;
 
@@ -34,7 +35,7 @@ class PlacePictures {
   RayScene rays_;
 };
 
-/// Pictures of the same size side by side, in rows from the upper left.
+/// Pictures of equal size in rows, from the upper left.
 Image contact_sheet(const std::vector<Image>& pictures);
 
 }  // namespace sansmesh::inline v1
