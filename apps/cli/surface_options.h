@@ -13,7 +13,7 @@ class CommandLine;
 
 struct SurfaceArguments {
   SurfaceOptions options;
-  std::optional<std::string> method;  ///< of --surface, if it was given
+  std::optional<std::string> method;  ///< value of --surface, if given
 
   /// The options, if a surface was selected. Throws ArgumentError.
   std::optional<SurfaceOptions> chosen() const;

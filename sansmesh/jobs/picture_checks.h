@@ -18,7 +18,7 @@ inline constexpr const char *kAutoColor = "auto", *kOwnColor = "own";
 
 /// Whether the single object is a surface without a mesh.
 bool is_meshless(const std::vector<PictureObject>& objects, const PictureOptions& options);
-/// The one object is lines.
+/// Whether the single object is a set of lines.
 bool is_of_lines(const std::vector<PictureObject>& objects, const PictureOptions& options);
 /// Whether the picture shows several objects side by side.
 bool is_of_objects(const std::vector<PictureObject>& objects, const PictureOptions& options);
