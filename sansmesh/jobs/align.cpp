@@ -16,7 +16,7 @@ namespace {
 constexpr double kLittleOverlap = 0.4;
 constexpr double kOtherSize = 1.5;
 
-/// Beside the numbers: the motion is not the only one, or is hardly told.
+/// Notes on motions that are not unique or badly determined.
 void add_alignment_notes(const SurfaceAlignment& r, const SurfaceAlignmentOptions& options, const std::string& name,
                          std::vector<Note>& notes) {
   const auto note = [&](const char* code, std::string text, const char* remedy = "") {
@@ -29,13 +29,13 @@ void add_alignment_notes(const SurfaceAlignment& r, const SurfaceAlignmentOption
                                    counted(r.alternatives, "other"), r.alternatives == 1 ? "fits" : "fit", angles));
   }
   if (r.free_motions > 0)
-    note("free_motions", fmt::format("the surfaces do not tell {}: they slide on each other",
+    note("free_motions", fmt::format("the surfaces do not determine {}: they can slide on each other",
                                      counted(static_cast<std::size_t>(r.free_motions), "motion")));
   if (r.overlap < kLittleOverlap)
-    note("little_overlap", fmt::format("only {:.0f} % of it lie on the other surface", 100 * r.overlap),
-         options.start == AlignStart::as_it_lies ? "`from = anywhere` looks elsewhere" : "");
+    note("little_overlap", fmt::format("only {:.0f} % of it are on the other surface", 100 * r.overlap),
+         options.start == AlignStart::as_it_lies ? "`from = anywhere` searches all positions" : "");
   if (r.mirror_image_fits)
-    note("mirrored", "its mirror image fits the other surface, it does not itself: one of them is mirrored");
+    note("mirrored", "its mirror image fits the other surface better than it does: one of them is mirrored");
   else if (r.differing > kOtherShape)
     note("other_shape", fmt::format("it may be another shape: {:.0f} % of it beside the other surface are {} off, more "
                                     "than their noise explains",
@@ -74,7 +74,7 @@ AlignResult align(const AnySurface& moving, const AnySurface& fixed, const Surfa
 namespace {
 
 constexpr ReportRow kAlignResultRows[] = {
-    reported<&AlignResult::report>({.name = "alignment", .text = "How it was moved, and how it fits"}),
+    reported<&AlignResult::report>({.name = "alignment", .text = "Motion and quality of the fit"}),
     reported<[](const AlignResult& r) { return r.motion.rows(); }>(
         {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
 

@@ -17,7 +17,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The distance to a mesh that it keeps.
+/// Distance to a mesh, with the mesh.
 struct KeptDistance {
   std::shared_ptr<const TriangleMesh> mesh;
   std::unique_ptr<SignedDistance> distance;

@@ -19,11 +19,11 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kSamples = 300'000, kSamplesOfOthers = 5'000;
-/// Surfaces that differ in size by more than this are not of the same thing.
+/// Size ratio above which the units are probably different.
 constexpr double kOtherUnit = 100;
 
-/// How many to take. From the middle of a much larger surface all of it is about as near, so that each sample there
-/// costs as much as all of its triangles: a few tell as much.
+/// Number of samples. From the middle of a much larger surface, all of the surface is at nearly the same distance, so
+/// each sample costs as much as all triangles; few samples suffice.
 std::size_t samples_for(const AssessOptions& options, const TriangleMesh& mesh, const TriangleMesh& reference,
                         std::vector<Note>& notes) {
   const double own = bounds(mesh).diagonal(), other = bounds(reference).diagonal();
@@ -81,12 +81,12 @@ namespace {
 
 constexpr ReportRow kAssessReportRows[] = {
     reported<[](const AssessReport& r) { return told_if(!r.topology, r.vertices); }>(
-        {.name = "surface.points", .text = "Points, of what has no triangles"}),
-    reported<&AssessReport::topology>({.text = "How the triangles hang together"}),
-    reported<&AssessReport::quality>({.text = "Shapes of the triangles"}),
+        {.name = "surface.points", .text = "Points, if there are no triangles"}),
+    reported<&AssessReport::topology>({.text = "Connectivity of the triangles"}),
+    reported<&AssessReport::quality>({.text = "Shape quality of the triangles"}),
     reported<[](const AssessReport& r) {
       return told_if(r.topology && r.topology->encloses(), r.quality ? r.quality->volume : 0);
-    }>({.name = "quality.volume", .text = "Volume, of what is closed", .unit = "length³"}),
+    }>({.name = "quality.volume", .text = "Volume, if the mesh is closed", .unit = "length³"}),
     reported<[](const AssessReport& r) { return r.distance ? std::optional(r.distance->to_reference) : std::nullopt; }>(
         {.name = "to_reference", .text = "Distances to the reference: accuracy"}),
     reported<[](const AssessReport& r) {

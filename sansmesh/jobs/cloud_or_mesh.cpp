@@ -18,7 +18,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Of a cloud the samples of which there are rows.
+/// Keeps only these samples of a cloud.
 void take(CloudOrMesh& data, const std::vector<std::uint32_t>& rows) {
   if (rows.size() < data.points.size()) data.points = take_samples(data.points, rows);
 }
@@ -140,10 +140,10 @@ std::string weld_places(CloudOrMesh& data, double distance) {
   if (data.is_mesh) {
     const WeldReport report = weld_vertices(data.mesh, distance);
     data.nonmanifold_edges_of_weld += report.nonmanifold_edges;
-    return fmt::format(
-        "{} became one with others{}", counted(report.vertices, report.vertices == 1 ? "vertex" : "vertice"),
-        report.triangles > 0 ? fmt::format(", {} without area gone", counted(report.triangles, "triangle"))
-                             : std::string());
+    return fmt::format("{} merged with others{}", counted(report.vertices, report.vertices == 1 ? "vertex" : "vertice"),
+                       report.triangles > 0
+                           ? fmt::format(", {} without area dropped", counted(report.triangles, "triangle"))
+                           : std::string());
   }
   if (distance == 0) {
     remove_samples(data.points, find_duplicates(data.points));
@@ -187,7 +187,7 @@ std::string flip_sides(CloudOrMesh& data, bool faces, bool normals) {
   if (faces)
     for (Triangle& t : data.mesh.triangles) std::swap(t[1], t[2]);
   if (normals)
-    for (Vec3f& n : directions) n = Vec3f{} - n;  // without -0
+    for (Vec3f& n : directions) n = Vec3f{} - n;  // avoids -0
   return "";
 }
 

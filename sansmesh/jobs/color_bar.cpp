@@ -14,10 +14,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kBarSteps = 16;         // of each half of the bar, in which colours are mixed
-constexpr double kRare = 0.01;        // of the values, at each end of the bar
-constexpr double kWithSign = 0.05;    // of the larger side, on the smaller one
-constexpr int kLeastBesideOne = 100;  // pixels that are left beside the bar
+constexpr int kBarSteps = 16;         // colour samples per half of the bar
+constexpr double kRare = 0.01;        // share of the values clipped at each end of the bar
+constexpr double kWithSign = 0.05;    // share of the larger side that makes the smaller side significant
+constexpr int kLeastBesideOne = 100;  // least width of the picture beside the bar, pixels
 constexpr Vec3f kUnknown{0.55f, 0.55f, 0.55f};
 
 TransferFunction colors_over(double lower, double upper, Vec3f (*color)(float)) {
@@ -72,7 +72,7 @@ ColorBar color_by_attribute(TriangleMesh& mesh, const std::string& name,
   const std::vector<double> values = sizes_of(*found);
   std::vector<double> known;
   std::copy_if(values.begin(), values.end(), std::back_inserter(known), [](double v) { return std::isfinite(v); });
-  if (known.empty()) throw DataError(fmt::format("{} is nowhere a number", name));
+  if (known.empty()) throw DataError(fmt::format("{} has no finite value", name));
   std::sort(known.begin(), known.end());
   ValueHistogram over;
   bool signs = false;

@@ -21,7 +21,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Edges longer than this part of the diagonal make a map of vertices a coarse one.
+/// Mean edge length, as a share of the diagonal, above which a map of vertices is coarse.
 constexpr double kCoarse = 0.02;
 
 bool is_coarse(const TriangleMesh& mesh, double diagonal) {
@@ -31,7 +31,7 @@ bool is_coarse(const TriangleMesh& mesh, double diagonal) {
   return !mesh.triangles.empty() && edges / (3 * static_cast<double>(mesh.triangles.size())) > kCoarse * diagonal;
 }
 
-/// Cuts large triangles up if that is asked for.
+/// Splits large triangles if requested.
 void refine(TriangleMesh& mesh, const std::string& name, const std::optional<double>& edge, double diagonal,
             Progress& progress, std::vector<Note>& notes) {
   if (edge) {
@@ -71,7 +71,7 @@ void CompareOptions::validate() const {
   validate_options(*this);
   if (align) return;
   if (const auto set = options_set(alignment); !set.empty())
-    throw ArgumentError(fmt::format("`{}` means nothing without `align`", set.front()));
+    throw ArgumentError(fmt::format("`{}` needs `align`", set.front()));
 }
 
 CompareResult compare(const AnySurface& part, const AnySurface& reference, const CompareOptions& options,
@@ -87,7 +87,7 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
   if (options.align) {
     AlignResult aligned = sansmesh::align(part, reference, options.alignment, progress);
     moved = AnySurface(std::move(aligned.moved), part.name());
-    // So that the mesh of an isosurface is made once.
+    // avoids meshing the isosurface twice
     if (reference.kind() == AnySurface::Kind::isosurface) still = AnySurface(*aligned.fixed, reference.name());
     r.alignment = std::move(aligned.report);
     r.motion = aligned.motion;
@@ -117,11 +117,11 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
 namespace {
 
 constexpr ReportRow kCompareReportRows[] = {
-    reported<&CompareReport::on>({.text = "Side on which the map lies", .choices = kSideWords}),
-    reported<&CompareReport::within>({.text = "Tolerance that was asked for", .unit = "length"}),
+    reported<&CompareReport::on>({.text = "Side that carries the map", .choices = kSideWords}),
+    reported<&CompareReport::within>({.text = "Requested tolerance", .unit = "length"}),
     reported<&CompareReport::diagonal>(
         {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
-    reported<&CompareReport::alignment>({.text = "How the part was moved first"}),
+    reported<&CompareReport::alignment>({.text = "Alignment of the part"}),
     reported<[](const CompareReport& r) { return told_if(r.alignment.has_value(), r.motion.rows()); }>(
         {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
 

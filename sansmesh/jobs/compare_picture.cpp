@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kDistanceTitle = "distance";
 constexpr int kScaleSteps = 16;
 
-/// The colours of a map as a scale: those of distance_color from −range, or 0, to range.
+/// Colours of a map as a scale: distance_color from −range, or 0, to range.
 TransferFunction scale_of(double range, bool both_sides) {
   TransferFunction scale;
   for (int k = both_sides ? -kScaleSteps : 0; k <= kScaleSteps; ++k) {

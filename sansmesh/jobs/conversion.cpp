@@ -13,10 +13,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Does a step; what is to be said comes back.
+/// Performs a step and returns its remark.
 struct DoStep {
   CloudOrMesh& data;
-  const std::string& unit;  ///< of the input
+  const std::string& unit;  ///< unit of the input
   AboutStep about_now = {};
 
   std::string about(const AffineMap& map, const std::optional<Vec3>& place, bool center) const {
@@ -86,9 +86,9 @@ ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step, DoStep& how) {
 const OptionSchema& ConvertOptions::schema() {
   using O = ConvertOptions;
   static const OptionRow rows[] = {
-      option<&O::vertices_only>({.text = "Of a mesh the vertices alone", .old_name = "points"}),
+      option<&O::vertices_only>({.text = "Only the vertices of a mesh", .old_name = "points"}),
       option<&O::unit>(
-          {.text = "Of the input's lengths, for `to_unit`: um, mm, cm, m, km, in, ft or us-ft", .unit = "unit"}),
+          {.text = "Unit of the input's lengths, for `to_unit`: um, mm, cm, m, km, in, ft or us-ft", .unit = "unit"}),
       option_steps<&O::steps>(convert_step_rows())};
   static const OptionSchema schema{rows};
   return schema;
@@ -171,12 +171,12 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
   if (data.nonmanifold_edges_of_weld > 0)
     result.notes.push_back(
         {.code = "nonmanifold_weld",
-         .text = fmt::format("`weld` has made {} of three triangles or more: the mesh is not manifold there",
+         .text = fmt::format("`weld` made {} with three or more triangles: the mesh is not manifold there",
                              counted(data.nonmanifold_edges_of_weld, "edge")),
          .remedy = {}});
   if (!data.unturned.empty())
     result.notes.push_back({.code = "unturned",
-                            .text = fmt::format("attributes of three numbers are not turned: {}",
+                            .text = fmt::format("attributes of three numbers are not rotated: {}",
                                                 printable(fmt::format("{}", fmt::join(data.unturned, ", ")))),
                             .remedy = {}});
   return result;
@@ -187,12 +187,12 @@ namespace {
 constexpr ReportRow kConvertedByRows[] = {
     reported<[](const ConvertedBy& r) { return std::string(r.step); }>({.name = "step", .text = "Step"}),
     reported<[](const ConvertedBy& r) { return told_if(!r.triangles, r.size); }>(
-        {.name = "points", .text = "Points that there are after it"}),
+        {.name = "points", .text = "Points after it"}),
     reported<[](const ConvertedBy& r) { return told_if(r.triangles.has_value(), r.size); }>(
-        {.name = "vertices", .text = "Vertices that there are after it"}),
-    reported<&ConvertedBy::triangles>({.text = "Triangles that there are after it"}),
+        {.name = "vertices", .text = "Vertices after it"}),
+    reported<&ConvertedBy::triangles>({.text = "Triangles after it"}),
     reported<[](const ConvertedBy& r) { return told_if(!r.remark.empty(), r.remark); }>(
-        {.name = "remark", .text = "What became of the data, in words"})};
+        {.name = "remark", .text = "Effect on the data, as text"})};
 
 }  // namespace
 
@@ -205,12 +205,12 @@ namespace {
 
 constexpr ReportRow kConvertReportRows[] = {
     reported<[](const ConvertReport& r) { return told_if(r.triangles == 0, r.size); }>(
-        {.name = "input.points", .text = "Points that came"}),
+        {.name = "input.points", .text = "Points of the input"}),
     reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.size); }>(
-        {.name = "input.vertices", .text = "Vertices that came"}),
+        {.name = "input.vertices", .text = "Vertices of the input"}),
     reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.triangles); }>(
-        {.name = "input.triangles", .text = "Triangles that came"}),
-    reported<&ConvertReport::steps>({.text = "Steps, one after the other"})};
+        {.name = "input.triangles", .text = "Triangles of the input"}),
+    reported<&ConvertReport::steps>({.text = "Steps in order"})};
 
 }  // namespace
 

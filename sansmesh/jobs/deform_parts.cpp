@@ -14,8 +14,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kFoldPoints = 33;  // along the longest side
-constexpr double kFlatBox = 1e-3;        // of the diagonal
+constexpr std::size_t kFoldPoints = 33;  // lattice points along the longest side
+constexpr double kFlatBox = 1e-3;        // least thickness as a share of the diagonal
 
 }  // namespace
 
@@ -23,7 +23,7 @@ TriangleMesh FoldWatch::look(const SpaceMap& map, const Box3& box, Progress& pro
   if (box.empty() || !is_finite(box.lower) || !is_finite(box.upper)) return {};
   Box3 wide = box;
   const double least = std::max(kFlatBox * box.diagonal(), std::numeric_limits<double>::min());
-  for (std::size_t k = 0; k < 3; ++k)  // of what is flat, too
+  for (std::size_t k = 0; k < 3; ++k)  // flat boxes have a thickness too
     if (wide.upper[k] - wide.lower[k] < least) wide.lower[k] -= least, wide.upper[k] += least;
   FoldReport found = find_folds(map, wide, lattice_sizes(wide, kFoldPoints), progress);
   TriangleMesh shapes = fold_shapes(found);
@@ -36,7 +36,7 @@ void FoldWatch::add_note(const std::string& name, std::vector<Note>& notes) cons
   const Vec3& center = worst_.folds[0].center;
   notes.push_back(
       {.code = "folded",
-       .text = fmt::format("space is folded on {:.2g} % of what was looked at, in {}, the largest about "
+       .text = fmt::format("space folds in {:.2g} % of the box, in {}, the largest at about "
                            "({:.4g}, {:.4g}, {:.4g}): handles move across each other there",
                            100 * worst_.share, counted(worst_.folds.size(), "place"), center.x, center.y, center.z),
        .remedy = "move them less, or in several steps, or take a smaller `alpha`",

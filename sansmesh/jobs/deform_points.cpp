@@ -1,4 +1,4 @@
-// Clouds and meshes, deformed.
+// Deformation of clouds and meshes.
 #include <fmt/core.h>
 
 #include <array>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::array<std::uint8_t, 3> kFoldedColor{222, 30, 30}, kUsualColor{222, 214, 204};
 
-/// Vertices in red where the map turns space inside out.
+/// Colours vertices red where the map reverses orientation.
 void color_folded(TriangleMesh& mesh, const SpaceMap& map) {
   std::vector<Vec3> x;
   x.reserve(mesh.vertices.size());
@@ -44,17 +44,16 @@ void add_mesh_notes(const DeformReport& r, bool mesh, const std::string& name, s
   const auto note = [&](const char* code, std::string text, const char* remedy = "") {
     notes.push_back({.code = code, .text = std::move(text), .remedy = remedy, .of = name});
   };
-  if (!r.fine) note("bends_stay", "there would be too many triangles to cut all edges that bend", "a larger `refine`");
+  if (!r.fine) note("bends_stay", "too many triangles to refine all edges that bend", "a larger `refine`");
   if (r.undefined > 0)
-    note("undefined",
-         fmt::format("{} stay where they are: the map is not defined there", number_of(r.undefined, mesh)));
+    note("undefined", fmt::format("{} do not move: the map is not defined there", number_of(r.undefined, mesh)));
   if (r.turned > 0)
-    note("turned", fmt::format("{} of {} lie where space is folded", grouped(r.turned), number_of(r.vertices, mesh)));
+    note("turned", fmt::format("{} of {} are where space folds", grouped(r.turned), number_of(r.vertices, mesh)));
   if (r.cut && r.cut->unopened > 0)
-    note("uncut", fmt::format("{} stayed whole where a cut passes: it does so in too many places",
-                              counted(r.cut->unopened, "triangle")));
+    note("uncut",
+         fmt::format("{} were not cut: a cut crosses them in too many places", counted(r.cut->unopened, "triangle")));
   if (r.cut && r.cut->unclosed > 0)
-    note("cut_open", "the mesh stays open along a cut: faces are made along half-planes and polygons only");
+    note("cut_open", "the mesh stays open along a cut: only half-planes and polygons are closed by faces");
 }
 
 }  // namespace
@@ -63,7 +62,7 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
                     const DeformOptions& options, const UsePose& use, Progress& progress) {
   options.validate(aim, deformation);
   const bool mesh = !points.triangles.empty(), picture = aim == DeformAim::picture;
-  if (aim == DeformAim::sections) throw ArgumentError("sections are of functions and solids");
+  if (aim == DeformAim::sections) throw ArgumentError("sections need functions or solids");
   if (!mesh && options.refine) throw ArgumentError("`refine` is for meshes: the input has no faces");
   MeshDeformOptions bent;
   bent.bend = options.refine;
@@ -71,7 +70,7 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
   const std::vector<Vec3> framed = picture ? places_of_poses(deformation, before, options, true) : std::vector<Vec3>();
   DeformResult result;
   DeformReport& r = result.report;
-  TriangleMesh opened;  // along cuts; a cloud is as it is
+  TriangleMesh opened;  // along cuts; clouds do not change
   if (mesh || picture) opened = to_mesh(points);
   if (mesh && !deformation.cuts().empty()) {
     progress.begin("open");

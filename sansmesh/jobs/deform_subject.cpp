@@ -1,4 +1,4 @@
-// Things of any kind that can be deformed.
+// Objects that can be deformed.
 #include <algorithm>
 #include <filesystem>
 #include <system_error>

@@ -1,4 +1,4 @@
-// A deformation as a map of displacements.
+// Displacement map of a deformation.
 #include <fmt/core.h>
 
 #include <utility>
@@ -17,7 +17,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kMapMargin = 0.1;  // of the diagonal
+constexpr double kMapMargin = 0.1;  // share of the diagonal
 constexpr int kUsualMapNodes = 64;
 
 }  // namespace
@@ -25,10 +25,11 @@ constexpr int kUsualMapNodes = 64;
 const OptionSchema& DeformationMapOptions::schema() {
   using O = DeformationMapOptions;
   static constexpr OptionRow rows[] = {
-      option<&O::nodes>({.text = "Writes the map instead (-o MAP.vti), with so many nodes along the longest side",
-                         .range = {2, 1024},
-                         .name = "displacement_map"}),
-      option<&O::box>({.text = "What it covers", .from_data = "where what is deformed comes to lie"})};
+      option<&O::nodes>(
+          {.text = "Write the displacement map (-o MAP.vti), with this number of nodes along the longest side",
+           .range = {2, 1024},
+           .name = "displacement_map"}),
+      option<&O::box>({.text = "Box of the map", .from_data = "that of the deformed object"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -37,7 +38,7 @@ DeformationMapResult deformation_map(const Deformation& deformation, const Box3&
                                      const DeformationMapOptions& options, Progress& progress) {
   validate_options(options);
   if (!is_finite(before.lower) || !is_finite(before.upper) || before.empty())
-    throw ArgumentError("`displacement_map` needs an input that ends somewhere, for its box");
+    throw ArgumentError("`displacement_map` needs a bounded input");
   const DeformationMaps maps = deformation.at(1);
   const Box3 box = options.box ? *options.box : with_name(name, [&] {
     return with_room(box_before(*maps.backward, before, deformation.box_of(maps, before)), kMapMargin);
@@ -80,30 +81,30 @@ constexpr ReportRow kDeformReportRows[] = {
     reported<[](const DeformReport& r) { return told_if(r.vertices > 0, r.triangles); }>(
         {.name = "triangles", .text = "Triangles"}),
     reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.added); }>(
-        {.name = "added", .text = "Triangles that were added where edges bend"}),
+        {.name = "added", .text = "Triangles added at edges that bend"}),
     reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.turned); }>(
-        {.name = "turned", .text = "Vertices at which space is turned inside out"}),
+        {.name = "turned", .text = "Vertices where the map reverses orientation"}),
     reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.undefined); }>(
-        {.name = "undefined", .text = "Vertices that stay, since the map is not defined there"}),
-    reported<&DeformReport::cut>({.text = "How a mesh was opened along cuts"}),
+        {.name = "undefined", .text = "Vertices that do not move, since the map is not defined there"}),
+    reported<&DeformReport::cut>({.text = "Opening of a mesh along cuts"}),
     reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->components) : std::nullopt; }>(
-        {.name = "components", .text = "Connected parts, of solids"}),
+        {.name = "components", .text = "Connected components of a solid"}),
     reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->closed) : std::nullopt; }>(
-        {.name = "closed", .text = "Whether the mesh is closed, of solids"}),
+        {.name = "closed", .text = "Whether the mesh of a solid is closed"}),
     reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->cell) : std::nullopt; }>(
-        {.name = "cell", .text = "Edge of the smallest blocks, of solids", .unit = "length"}),
+        {.name = "cell", .text = "Edge of the smallest blocks of a solid", .unit = "length"}),
     reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->area) : std::nullopt; }>(
-        {.name = "area", .text = "Area, of solids", .unit = "length²"}),
+        {.name = "area", .text = "Area of a solid", .unit = "length²"}),
     reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->volume) : std::nullopt; }>(
-        {.name = "volume", .text = "Volume, of solids", .unit = "length³"}),
+        {.name = "volume", .text = "Volume of a solid", .unit = "length³"}),
     reported<&DeformReport::sections>({.text = "Sections"}),
     reported<[](const DeformReport& r) { return told_if(r.size[0] > 0, r.size); }>(
-        {.name = "size", .text = "Points of the lattice along its axes, of volumes"}),
-    reported<&DeformReport::inside>({.text = "Share of these in the volume", .unit = "share"}),
+        {.name = "size", .text = "Lattice points of a volume along the axes"}),
+    reported<&DeformReport::inside>({.text = "Share of these inside the volume", .unit = "share"}),
     reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.rays); }>(
-        {.name = "rays", .text = "Rays, of pictures of volumes"}),
+        {.name = "rays", .text = "Rays of pictures of volumes"}),
     reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.evaluations); }>(
-        {.name = "evaluations", .text = "Evaluations for these"})};
+        {.name = "evaluations", .text = "Evaluations along these rays"})};
 
 std::string size_line(const DeformReport& r) {
   if (r.inside) return lattice_words(r.size, *r.inside);
@@ -129,7 +130,7 @@ std::vector<std::string> summary_of(const DeformReport& r) {
   for (const Section& section : r.sections) lines.push_back(section_words(section));
   if (r.vertices > 0) lines.push_back(count_line(r));
   if (r.solid) lines.push_back(area_words(r.solid->area, r.solid->volume));
-  if (r.cut && r.cut->edges == 0) lines.emplace_back("no cut reaches it");
+  if (r.cut && r.cut->edges == 0) lines.emplace_back("no cut intersects it");
   if (r.cut && r.cut->edges > 0)
     lines.push_back(fmt::format("opened along {}, {} on cut faces", counted(r.cut->edges, "edge"),
                                 counted(r.cut->faces, "triangle")));

@@ -16,7 +16,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Pictures of a sheet, pixels, and how many it may have.
+/// Size of a picture on a sheet in pixels, and the largest number of pictures.
 constexpr int kTileWidth = 360, kTileHeight = 270;
 constexpr std::size_t kMostOnSheet = 1600;
 
@@ -60,7 +60,7 @@ DiagnoseResult diagnose(const SurfaceFunction& function, const DiagnoseOptions& 
 
 namespace {
 
-/// To a hundredth of its radius, however far from the origin it is.
+/// Position, rounded to a hundredth of the radius.
 std::string where(const SuspiciousPlace& p) {
   const int digits = index_in<int>(std::ceil(2 - std::log10(std::max(1e-300, p.radius))), 0, 12);
   return fmt::format("({:.{}f}, {:.{}f}, {:.{}f})", p.position.x, digits, p.position.y, digits, p.position.z, digits);
@@ -98,7 +98,7 @@ std::vector<Image> draw_places(const DiagnoseResult& made, RenderOptions options
   if (made.places.empty()) return {};
   if (sheet) {
     if (made.places.size() > kMostOnSheet)
-      throw ArgumentError(fmt::format("{} are too many for one sheet: `separate`, or fewer `places`",
+      throw ArgumentError(fmt::format("{} are too many for one sheet: use `separate`, or fewer `places`",
                                       counted(made.places.size(), "place")));
     options.view.width = kTileWidth, options.view.height = kTileHeight;
   }
@@ -118,20 +118,19 @@ namespace {
 constexpr ReportRow kListedPlaceRows[] = {
     reported<&ListedPlace::number>({.text = "Number in the list"}),
     reported<[](const ListedPlace& r) { return suspicion_name(r.place.kind); }>(
-        {.name = "kind", .text = "What is suspicious"}),
+        {.name = "kind", .text = "Kind of doubt"}),
     reported<[](const ListedPlace& r) { return r.place.position; }>(
-        {.name = "at", .text = "Middle of the place", .unit = "length"}),
-    reported<[](const ListedPlace& r) { return r.place.normal; }>(
-        {.name = "normal", .text = "Normal of the surface there"}),
+        {.name = "at", .text = "Centre of the region", .unit = "length"}),
+    reported<[](const ListedPlace& r) { return r.place.normal; }>({.name = "normal", .text = "Normal of the surface"}),
     reported<[](const ListedPlace& r) { return r.place.radius; }>(
-        {.name = "radius", .text = "Radius of a ball around the place", .unit = "length"}),
+        {.name = "radius", .text = "Radius of a ball around the region", .unit = "length"}),
     reported<[](const ListedPlace& r) { return r.place.supports; }>(
-        {.name = "fits", .text = "Local fits that are concerned"}),
+        {.name = "fits", .text = "Local fits in the region"}),
     reported<[](const ListedPlace& r) { return r.place.worst; }>(
-        {.name = "worst", .text = "Coverage, error, area or gradient that is worst"}),
+        {.name = "worst", .text = "Worst coverage, error, area or gradient"}),
     reported<[](const ListedPlace& r) { return r.place.edit.has_value(); }>(
-        {.name = "edit", .text = "Whether there is an edit that may mend it"}),
-    reported<&ListedPlace::step>({.text = "Number of that edit in the script"})};
+        {.name = "edit", .text = "Whether an edit may repair it"}),
+    reported<&ListedPlace::step>({.text = "Number of the edit in the script"})};
 
 }  // namespace
 
@@ -152,13 +151,13 @@ ReportCounts counted_kinds(const DiagnoseResult& made) {
 constexpr ReportRow kDiagnoseResultRows[] = {
     reported<&DiagnoseResult::fits>({.name = "input.fits", .text = "Local fits of the function"}),
     reported<[](const DiagnoseResult& r) { return r.diagnosis.error_above; }>(
-        {.name = "error_above", .text = "Error from which on a place is suspicious", .unit = "length"}),
+        {.name = "error_above", .text = "Error above which a region is doubtful", .unit = "length"}),
     reported<[](const DiagnoseResult& r) { return r.diagnosis.largest_gradient; }>(
         {.name = "largest_gradient", .text = "Largest gradient around the surface"}),
     reported<[](const DiagnoseResult& r) { return counted_kinds(r); }>(
-        {.name = "found", .text = "Places of each kind, those beyond the list among them"}),
-    reported<[](const DiagnoseResult& r) { return r.edits.size(); }>({.name = "edits", .text = "Edits to try"}),
-    reported<&DiagnoseResult::places>({.text = "Places of each kind, the largest first"})};
+        {.name = "found", .text = "Regions of each kind, including unlisted ones"}),
+    reported<[](const DiagnoseResult& r) { return r.edits.size(); }>({.name = "edits", .text = "Proposed edits"}),
+    reported<&DiagnoseResult::places>({.text = "Regions by kind, the largest first"})};
 
 }  // namespace
 

@@ -15,26 +15,26 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Share of a piece from which on a hole that was filled by default is told of.
+/// Share of a component above which a filling that was chosen by default is reported.
 constexpr double kWideShare = 0.1;
 
 void add_stray_note(const HoleLoops& found, std::vector<Note>& notes) {
   if (found.stray_edges == 0) return;
   notes.push_back({.code = "stray_border",
                    .text = fmt::format(
-                       "{} of the border run to edges of three triangles or more, and around no hole: they stay open",
+                       "{} of the border end at edges with three or more triangles and enclose no hole: they stay open",
                        counted(found.stray_edges, "edge")),
                    .remedy = {}});
 }
 
-/// The widest of the openings that stay, and what closes it.
+/// Note on openings left open, with the option that closes the widest.
 Note ends_note(const FillReport& r) {
   double widest = 0;
   for (const HoleLoop& hole : r.found.loops)
     if (hole.outcome == HoleOutcome::end) widest = std::max(widest, hole.diameter);
   const char* const them = r.ends == 1 ? "it" : "them";
   return {.code = "ends",
-          .text = fmt::format("{} open: the surface runs into {} steeply, as at the end of a tube",
+          .text = fmt::format("{} open: the surface approaches {} steeply, as at the end of a tube",
                               r.ends == 1 ? "1 opening stays" : grouped(r.ends) + " openings stay", them),
           .remedy = fmt::format("`largest = {}` closes {}, `all` everything", length_words(widest * 1.01), them)};
 }
@@ -74,11 +74,10 @@ FillResult fill(TriangleMesh mesh, const FillOptions& options, Progress& progres
          fmt::format("{} cannot be filled without an edge that is there already", counted(r.failed, "hole")));
   if (r.ends > 0) result.notes.push_back(ends_note(r));
   if (const std::size_t wide = wide_fillings(r); wide > 0)
-    note("wide", fmt::format("{} wider than a tenth of the piece around: what lies across is invented",
+    note("wide", fmt::format("{} wider than a tenth of the surrounding component: the filling has no data there",
                              wide == 1 ? "1 hole that was filled is" : grouped(wide) + " holes that were filled are"));
   if (r.islands > 0)
-    note("islands",
-         fmt::format("{} lie in or near what was filled, and stay there", counted(r.islands, "separate piece")));
+    note("islands", fmt::format("{} are in or near fillings, and stay there", counted(r.islands, "separate piece")));
   if (places.seams > 0)
     note("seams", fmt::format("{} at the same place as another, with other colours or attributes: seams, but no holes",
                               places.seams == 1 ? "1 vertex is" : grouped(places.seams) + " vertices are"));
@@ -90,7 +89,7 @@ namespace {
 constexpr ReportRow kHolesResultRows[] = {
     reported<&HolesResult::triangles>({.name = "input.triangles", .text = "Triangles of the mesh"}),
     reported<&HolesResult::joined_vertices>(
-        {.name = "input.joined_vertices", .text = "Vertices at the same place as another"}),
+        {.name = "input.joined_vertices", .text = "Vertices merged with a coincident one"}),
     reported_beside<&HolesResult::holes>()};
 
 }  // namespace
@@ -105,7 +104,7 @@ namespace {
 constexpr ReportRow kFillResultRows[] = {
     reported<&FillResult::triangles>({.name = "input.triangles", .text = "Triangles of the original"}),
     reported<&FillResult::joined_vertices>(
-        {.name = "input.joined_vertices", .text = "Vertices at the same place as another"}),
+        {.name = "input.joined_vertices", .text = "Vertices merged with a coincident one"}),
     reported_beside<&FillResult::report>()};
 
 }  // namespace

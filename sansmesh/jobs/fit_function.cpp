@@ -32,10 +32,10 @@ const ReportSchema& FitFunctionReport::schema() {
       reported<&FitFunctionReport::estimated_normals>(
           {.name = "normals.estimated", .text = "Whether normals were estimated"}),
       reported<&FitFunctionReport::oriented_by>({.name = "normals.oriented_by",
-                                                 .text = "From what normals got their signs; nothing: from the input",
+                                                 .text = "Source of the signs of normals; null: the input",
                                                  .choices = kOrientByWords}),
       reported<[](const FitFunctionReport& r) { return told_if(!r.alignment.empty(), r.alignment); }>(
-          {.name = "alignment", .text = "How scans were aligned, in words"})};
+          {.name = "alignment", .text = "Registration of scans, as text"})};
   static constexpr ReportSchema schema{rows};
   return schema;
 }

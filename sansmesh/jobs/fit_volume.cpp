@@ -1,4 +1,4 @@
-// Volumes with their reconstruction, to be kept.
+// Fitted volumes: volumes stored with their reconstruction.
 #include <fmt/core.h>
 
 #include <utility>
@@ -12,8 +12,8 @@ namespace sansmesh::inline v1 {
 
 const OptionSchema& FitVolumeOptions::schema() {
   using O = FitVolumeOptions;
-  static constexpr OptionRow rows[] = {option<&O::all_arrays>(
-      {.text = "Keep the other arrays as well, for other reconstructions and to carry along", .old_name = "all"})};
+  static constexpr OptionRow rows[] = {
+      option<&O::all_arrays>({.text = "Keep the other arrays as well", .old_name = "all"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -22,7 +22,7 @@ FitVolumeResult fit_volume(const VolumeModel& volume, const FitVolumeOptions& op
   const ArrayChoice& choice = volume.choice();
   if (choice.component || choice.magnitude)
     throw ArgumentError(
-        fmt::format("`array`: all components are fitted together; choose one where the file is used ({}, not {})",
+        fmt::format("`array`: all components are fitted together; select one when the file is used ({}, not {})",
                     choice.array, volume.options().array));
   volume.samples(progress);
   const ReconstructionOptions asked = options_for(volume, choice.array, progress);
@@ -41,7 +41,7 @@ FitVolumeResult fit_volume(const VolumeModel& volume, const FitVolumeOptions& op
   if (fitted->coefficients.empty())
     result.notes.push_back(
         {.code = "no_coefficients",
-         .text = fmt::format("{} has no coefficients to keep: the samples alone are kept", *fitted->chosen.method),
+         .text = fmt::format("{} has no coefficients: only the samples are kept", *fitted->chosen.method),
          .remedy = {},
          .severity = Note::Severity::information,
          .of = volume.name()});

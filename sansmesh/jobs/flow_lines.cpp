@@ -36,7 +36,7 @@ std::vector<CarriedArray> carried_along(const FlowModel& flow, const std::string
   return arrays;
 }
 
-/// Values of other arrays at the points.
+/// Samples other arrays at the points.
 void carry_along(const std::vector<CarriedArray>& arrays, const VolumeModel& volume, TraceLinesResult& result,
                  Progress& progress) {
   PolylineSet& lines = result.lines;

@@ -43,7 +43,7 @@ const char* shape_words(CloudShape shape) {
   return "";
 }
 
-/// The shape of a cloud in words, or how far its parts are apart where that hides their shape.
+/// Shape of a cloud as text, or the distance between its parts if that hides their shape.
 std::string span_words(const PointSet& points) {
   if (const auto parts = find_far_parts(points)) return fmt::format("parts {:.3g} apart", parts->apart);
   return shape_words(classify_shape(points));
@@ -131,8 +131,8 @@ constexpr ReportRow kFunctionInfoRows[] = {
         {.text = "Root mean square distance of the samples from the surface", .unit = "length"}),
     reported<&FunctionInfo::accuracy>({.text = "Expected error of the surface", .unit = "length"}),
     reported<&FunctionInfo::cube>({.text = "Corners of the cube of the tree", .unit = "length"}),
-    reported<&FunctionInfo::paper>({.text = "How blocks came to be, of fits as the sources have them"}),
-    reported<&FunctionInfo::history>({.text = "Edits that were made"})};
+    reported<&FunctionInfo::paper>({.text = "Construction of blocks, for fits by a published method"}),
+    reported<&FunctionInfo::history>({.text = "Edits of the function"})};
 
 }  // namespace
 
@@ -153,14 +153,15 @@ std::vector<std::optional<double>> ends_of(const AttributeInfo& info, bool upper
 
 constexpr ReportRow kAttributeInfoRows[] = {
     reported<[](const AttributeInfo& r) { return printable(r.name); }>({.name = "name", .text = "Name"}),
-    reported<&AttributeInfo::of>({.text = "What has it: point, triangle or cell"}),
+    reported<&AttributeInfo::of>({.text = "Kind of element: point, triangle or cell"}),
     reported<[](const AttributeInfo& r) { return name_of(r.type); }>({.name = "type", .text = "Type of its numbers"}),
-    reported<[](const AttributeInfo& r) { return r.ranges.size(); }>({.name = "components", .text = "Numbers of each"}),
+    reported<[](const AttributeInfo& r) { return r.ranges.size(); }>(
+        {.name = "components", .text = "Numbers per element"}),
     reported<[](const AttributeInfo& r) { return ends_of(r, false); }>(
         {.name = "lower", .text = "Least number of each component"}),
     reported<[](const AttributeInfo& r) { return ends_of(r, true); }>(
         {.name = "upper", .text = "Largest number of each component"}),
-    reported<&AttributeInfo::not_finite>({.text = "Numbers that are not finite, of arrays of volumes"})};
+    reported<&AttributeInfo::not_finite>({.text = "Numbers that are not finite, for arrays of volumes"})};
 
 }  // namespace
 
@@ -182,22 +183,22 @@ std::optional<ReportCounts> counted_classes(const CloudInfo& info) {
 
 constexpr ReportRow kCloudInfoRows[] = {
     reported<&CloudInfo::points>({.text = "Points or vertices"}),
-    reported<&CloudInfo::duplicates>({.text = "Points in the place of another"}),
+    reported<&CloudInfo::duplicates>({.text = "Points that coincide with another"}),
     reported<[](const CloudInfo& r) { return r.box.lower; }>(
         {.name = "lower", .text = "Lower corner of the box", .unit = "length"}),
     reported<[](const CloudInfo& r) { return r.box.upper; }>(
         {.name = "upper", .text = "Upper corner of the box", .unit = "length"}),
-    reported<&CloudInfo::spans>({.text = "Shape of all in words"}),
+    reported<&CloudInfo::spans>({.text = "Shape of the cloud, as text"}),
     reported<&CloudInfo::spacing>({.text = "Spacing of the points", .unit = "length"}),
     reported_beside<&CloudInfo::noise>(),
-    reported<[](const CloudInfo& r) { return r.normals.words; }>({.name = "normals", .text = "Normals, in words"}),
-    reported<&CloudInfo::normals>({.name = "orientation", .text = "How normals are oriented"}),
-    reported<&CloudInfo::orient_by>({.text = "From what normals would get their signs", .choices = kOrientByWords}),
+    reported<[](const CloudInfo& r) { return r.normals.words; }>({.name = "normals", .text = "Normals, as text"}),
+    reported<&CloudInfo::normals>({.name = "orientation", .text = "Orientation of the normals"}),
+    reported<&CloudInfo::orient_by>({.text = "Source of signs for new normals", .choices = kOrientByWords}),
     reported<&CloudInfo::colors>({.text = "Whether there are colours"}),
     reported<&CloudInfo::attributes>({.text = "Attributes"}),
-    reported<&CloudInfo::scanners>({.text = "Scanners whose positions are known"}),
+    reported<&CloudInfo::scanners>({.text = "Scanners with known positions"}),
     reported<&CloudInfo::triangles>({.text = "Triangles of the file"}),
-    reported<&CloudInfo::mesh>({.text = "How triangles hang together, sewn where borders lie on each other"}),
+    reported<&CloudInfo::mesh>({.text = "Connectivity of the triangles, sewn along coincident borders"}),
     reported<[](const CloudInfo& r) { return counted_classes(r); }>(
         {.name = "classes", .text = "Points of each class, by its number"})};
 
@@ -210,7 +211,7 @@ const ReportSchema& CloudInfo::schema() {
 
 namespace {
 
-/// How many points there are of each class.
+/// Number of points in each class.
 std::string classes_words(const CloudInfo& made) {
   std::string text;
   for (unsigned c = 0; made.classes && c < made.classes->size(); ++c) {
@@ -232,7 +233,7 @@ std::string box_words(const Box3& box) {
 
 std::string array_words(const AttributeInfo& a) {
   constexpr std::size_t kMostRanges = 9;
-  const int digits = a.type == NumberType::f32 ? 6 : 10;  // times of surveys differ in the last ones
+  const int digits = a.type == NumberType::f32 ? 6 : 10;  // times of surveys need the last digits
   std::string ranges;
   for (std::size_t c = 0; c < std::min(kMostRanges, a.ranges.size()); ++c) {
     const auto& range = a.ranges[c];
@@ -249,9 +250,8 @@ std::vector<std::string> summary_of(const CloudInfo& made) {
   std::vector<std::string> lines;
   const auto line = [&](const char* title, const std::string& text) { lines.push_back(titled(title, text, 12)); };
   line("points",
-       fmt::format(
-           "{}{}", grouped(made.points),
-           made.duplicates > 0 ? fmt::format(", {} of them given twice or more", grouped(made.duplicates)) : ""));
+       fmt::format("{}{}", grouped(made.points),
+                   made.duplicates > 0 ? fmt::format(", {} of them duplicates", grouped(made.duplicates)) : ""));
   line("box", fmt::format("{}, {}", size_words(made.size), box_words(made.box)));
   line("spans", made.spans);
   line("spacing", length_words(made.spacing));
@@ -282,7 +282,8 @@ std::vector<std::string> summary_of(const FunctionInfo& made) {
                               made.colors ? ", with colours" : ""));
   line("cube", box_words(made.cube));
   line("spacing", length_words(made.spacing));
-  line("deviation", fmt::format("{} (of the samples from it, root mean square)", length_words(made.deviation)));
+  line("deviation",
+       fmt::format("{} (of the samples from the surface, root mean square)", length_words(made.deviation)));
   line("accuracy", fmt::format("{} (expected error of the surface)", length_words(made.accuracy)));
   for (const std::string& edit : made.history) line("edited", edit);
   return lines;

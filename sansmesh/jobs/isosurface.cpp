@@ -1,4 +1,4 @@
-// The surface on which a quantity of a volume has a value, as a mesh.
+// Isosurfaces of volumes as meshes.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The arrays of `carry`. Throws ArgumentError for names of none.
+/// Arrays of `carry`. Throws ArgumentError for unknown names.
 std::vector<std::string> arrays_to_carry(const VolumeModel& volume, const std::string& carry) {
   std::vector<std::string> wanted;
   if (carry == "none") return wanted;
@@ -32,7 +32,7 @@ std::vector<std::string> arrays_to_carry(const VolumeModel& volume, const std::s
   return wanted;
 }
 
-/// Interpolated in the grid's own way; whole numbers, which are labels, as they are.
+/// Interpolates as the grid does; integer arrays are labels and are not interpolated.
 void carry_along(const std::vector<std::string>& wanted, const VolumeModel& volume, VolumeIsosurfaceResult& result,
                  Progress& progress) {
   TriangleMesh& mesh = result.mesh;
@@ -51,7 +51,7 @@ void carry_along(const std::vector<std::string>& wanted, const VolumeModel& volu
     if (std::any_of(values.begin(), values.end(), [](double v) { return std::abs(v) > kMost; })) {
       result.notes.push_back(
           {.code = "not_carried",
-           .text = fmt::format("{} is not carried along: its values do not fit into floats", printable(name, 60)),
+           .text = fmt::format("{} is not carried: its values do not fit into floats", printable(name, 60)),
            .remedy = {},
            .of = volume.name()});
       continue;
@@ -65,8 +65,8 @@ void carry_along(const std::vector<std::string>& wanted, const VolumeModel& volu
 const OptionSchema& VolumeIsosurfaceOptions::schema() {
   using O = VolumeIsosurfaceOptions;
   static const OptionRow rows[] = {
-      option<&O::value>({.text = "Value on the surface", .from_data = "the middle of the array's range"}),
-      option<&O::carry>({.text = "Arrays for the vertices: all, none, or names with commas between", .unit = "names"}),
+      option<&O::value>({.text = "Isovalue", .from_data = "the middle of the array's range"}),
+      option<&O::carry>({.text = "Arrays sampled at the vertices: all, none, or names with commas", .unit = "names"}),
       option_group<&O::mesh>(IsosurfaceOptions::schema().rows)};
   static const OptionSchema schema{rows};
   return schema;
@@ -97,7 +97,7 @@ VolumeIsosurfaceResult isosurface(const VolumeModel& volume, const VolumeIsosurf
 namespace {
 
 constexpr ReportRow kVolumeIsosurfaceReportRows[] = {
-    reported<&VolumeIsosurfaceReport::value>({.text = "Value of the surface", .unit = "unit of the array"}),
+    reported<&VolumeIsosurfaceReport::value>({.text = "Isovalue", .unit = "unit of the array"}),
     reported_beside<&VolumeIsosurfaceReport::mesh>()};
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Bodies of tetrahedra that moved, and the surfaces that they carry.
+// Motions of tetrahedral bodies, and the surfaces that they carry.
 #include <fmt/core.h>
 
 #include <utility>
@@ -17,13 +17,13 @@ struct Motion::State {
   Vec3 origin;
   KeptMotion kept;
   std::vector<double> times = {};
-  std::vector<std::vector<Vec3f>> positions = {};  ///< from the origin
+  std::vector<std::vector<Vec3f>> positions = {};  ///< relative to the origin
   std::vector<std::vector<Vec3f>> velocities = {};
 };
 
 struct CarriedSurface::State {
   TriangleMesh surface;
-  std::vector<std::uint32_t> sources = {};  ///< of the boundary
+  std::vector<std::uint32_t> sources = {};  ///< vertices of the body, for its boundary
   std::optional<TetEmbedding> embedding = {};
   std::vector<Vec3> normals = {};
 };
@@ -105,7 +105,7 @@ std::vector<Note> CarriedSurface::notes() const {
   const auto& embedding = state_->embedding;
   if (!embedding || embedding->outside() == 0) return {};
   return {{.code = "outside",
-           .text = fmt::format("{} of {} vertices lie in no tetrahedron: they go on with the nearest",
+           .text = fmt::format("{} of {} vertices are in no tetrahedron: they move with the nearest",
                                grouped(embedding->outside()), grouped(state_->surface.vertices.size())),
            .remedy = {}}};
 }

@@ -11,7 +11,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Samples of a surface, or a function, that is seen without a mesh.
+/// Samples of a surface, or a function, drawn without a mesh.
 struct PictureContents::SeenSurface {
   SurfaceModel model;
   SurfaceCaster caster;
@@ -28,7 +28,8 @@ const OptionSchema& PictureContentsOptions::schema() {
   static constexpr OptionRow rows[] = {
       option<&O::meshes>({.text = "Mesh in the same picture; may be repeated", .unit = "file", .name = "mesh"}),
       option<&O::points>(
-          {.text = "Samples of a surface, or a function (.smf), in the same picture without a mesh", .unit = "file"})};
+          {.text = "Samples of a surface, or a function (.smf), drawn in the same picture without a mesh",
+           .unit = "file"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }

@@ -16,23 +16,24 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Radius of what is seen over that of the place; at most this share of the diagonal.
+/// View radius in radii of the region; at most this share of the diagonal.
 constexpr double kSeen = 4, kMostSeen = 0.6;
-/// Half the box of what is drawn over that radius.
+/// Half size of the drawn box in view radii.
 constexpr double kDrawn = 2.5;
-/// So many vertices at a place are asked whether they are seen.
+/// Most vertices of a region whose visibility is tested.
 constexpr std::size_t kAsked = 200;
-/// What it is worth to look along the normal, beside the share of the place that is seen from a direction.
+/// Preference for the normal direction, relative to the visible share of the region.
 constexpr double kAlong = 0.3;
-/// A place of which less than this is seen from anywhere is cut open: what is so many of its radii in front of it goes.
+/// A region with a smaller visible share is cut open: everything more than this many of its radii in front of it is
+/// removed.
 constexpr double kHidden = 0.2, kInFront = 1.1;
-/// How light the strip behind text is, 0..1.
+/// Lightness of the strip behind text, 0..1.
 constexpr float kStrip = 0.75f;
-/// Space between the pictures of a sheet, pixels.
+/// Space between the pictures of a sheet in pixels.
 constexpr int kGap = 6;
 constexpr int kRingParts = 96;
 
-/// Around a normal, nearer and farther, and all other ways; the normal first.
+/// Directions around a normal at several angles; the normal first.
 std::vector<Vec3> directions_around(const Vec3& normal) {
   const Vec3 other = std::abs(normal.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 u = normalized(cross(normal, other)), v = cross(normal, u);
@@ -46,7 +47,7 @@ std::vector<Vec3> directions_around(const Vec3& normal) {
   return all;
 }
 
-/// A ring that shows on light and dark.
+/// Draws a ring visible on light and dark backgrounds.
 void draw_ring(Image& image, double radius) {
   const double x = 0.5 * image.width, y = 0.5 * image.height;
   const double width = std::max(1.5, 0.006 * std::min(image.width, image.height));
@@ -59,7 +60,7 @@ void draw_ring(Image& image, double radius) {
     }
 }
 
-/// In the upper left corner, on a strip that is light whatever is behind.
+/// Draws text in the upper left corner, on a light strip.
 void draw_text(Image& image, const std::string& text) {
   const double letters = std::max(9.0, 0.032 * std::min(image.width, image.height)), line = 1.9 * letters;
   const auto lines = 1 + std::count(text.begin(), text.end(), '\n');
@@ -94,7 +95,7 @@ PlacePictures::View PlacePictures::best_view(const SuspiciousPlace& place, doubl
   if (!(norm(normal) > 0)) normal = place.position - middle;
   if (!(norm(normal) > 0)) normal = {0, 0, 1};
   normal = normalized(normal);
-  // What is suspicious, or else all that is there.
+  // The doubtful vertices, or all vertices of the region if there are none.
   const Vec3f at(place.position - mesh.origin);
   const auto radius = static_cast<float>(place.radius);
   std::vector<Vec3f> here, marked;
@@ -104,7 +105,7 @@ PlacePictures::View PlacePictures::best_view(const SuspiciousPlace& place, doubl
     if (mesh.colors[v] == suspicion_color(place.kind)) marked.push_back(mesh.vertices[v]);
   }
   if (!marked.empty()) here = std::move(marked);
-  if (here.empty()) here.push_back(at);  // where a fit has no surface of its own
+  if (here.empty()) here.push_back(at);  // the surface of a fit may be elsewhere
   const std::size_t stride = 1 + here.size() / kAsked;
   View best{normal, 0};
   double most = -1;

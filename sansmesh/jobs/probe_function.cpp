@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Step of the second derivatives over the spacing of the samples.
+/// Step of the second differences, in sample spacings.
 constexpr double kLevelSetStep = 0.25;
 
 }  // namespace
@@ -84,12 +84,12 @@ std::vector<std::string> summary_of(const ProbeFunctionResult& probed) {
 namespace {
 
 constexpr ReportRow kProbeFunctionReportRows[] = {
-    reported<&ProbeFunctionReport::points>({.text = "Points that were evaluated"}),
+    reported<&ProbeFunctionReport::points>({.text = "Evaluated points"}),
     reported<&ProbeFunctionReport::inside>({.text = "Points inside"}),
     reported<&ProbeFunctionReport::mean>(
         {.name = "absolute_value.mean", .text = "Mean of the absolute values", .unit = "length"}),
     reported<&ProbeFunctionReport::median>(
-        {.name = "absolute_value.median", .text = "Half of the absolute values are below", .unit = "length"}),
+        {.name = "absolute_value.median", .text = "Median of the absolute values", .unit = "length"}),
     reported<&ProbeFunctionReport::largest>(
         {.name = "absolute_value.max", .text = "Largest absolute value", .unit = "length"}),
     reported<&ProbeFunctionReport::largest_gradient>({.text = "Largest gradient"})};
@@ -103,9 +103,9 @@ const ReportSchema& ProbeFunctionReport::schema() {
 
 const ReportSchema& ProbedPlace::schema() {
   static constexpr ReportRow rows[] = {
-      reported<&ProbedPlace::at>({.text = "Place", .unit = "length"}),
+      reported<&ProbedPlace::at>({.text = "Query point", .unit = "length"}),
       reported<[](const ProbedPlace& r) { return r.value; }>(
-          {.name = "value", .text = "Value, about the distance from the surface", .unit = "length"}),
+          {.name = "value", .text = "Value, approximately the distance from the surface", .unit = "length"}),
       reported<[](const ProbedPlace& r) { return r.gradient; }>({.name = "gradient", .text = "Gradient"}),
       reported<[](const ProbedPlace& r) { return r.k1; }>(
           {.name = "k1", .text = "Larger principal curvature of the level set", .unit = "1/length"}),

@@ -18,7 +18,7 @@ std::vector<std::string> component_names(const std::string& array, std::size_t c
   return names;
 }
 
-/// A name as a field of a table: quoted where it has to be.
+/// A name as a CSV field, quoted if necessary.
 std::string csv_name(const std::string& name) {
   if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
   std::string quoted = "\"";
@@ -43,7 +43,7 @@ ProbeResult probe_volume(const VolumeModel& volume, std::span<const Vec3> points
     const Box3 box = field->bounds();
     result.notes.push_back(
         {.code = "outside",
-         .text = fmt::format("none of {} lies in the volume, which reaches from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, "
+         .text = fmt::format("none of {} is in the volume, which extends from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, "
                              "{:.6g}, {:.6g})",
                              counted(n, "point"), box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y,
                              box.upper.z),
@@ -74,7 +74,7 @@ std::string probe_table(const ProbeResult& p) {
 
 namespace {
 
-constexpr ReportRow kProbeReportRows[] = {reported<&ProbeReport::inside>({.text = "Points in the volume"})};
+constexpr ReportRow kProbeReportRows[] = {reported<&ProbeReport::inside>({.text = "Points inside the volume"})};
 
 }  // namespace
 
@@ -95,11 +95,11 @@ std::vector<ProbedValue> probed_values(const ProbeResult& p) {
 
 const ReportSchema& ProbedValue::schema() {
   static constexpr ReportRow rows[] = {
-      reported<&ProbedValue::at>({.text = "Place", .unit = "length"}),
+      reported<&ProbedValue::at>({.text = "Query point", .unit = "length"}),
       reported<&ProbedValue::name>({.text = "Component"}),
       reported<&ProbedValue::value>({.text = "Value", .unit = "unit of the array"}),
       reported<&ProbedValue::gradient>({.text = "Gradient", .unit = "per length"}),
-      reported<&ProbedValue::inside>({.text = "Whether the place lies in the volume"})};
+      reported<&ProbedValue::inside>({.text = "Whether the point is inside the volume"})};
   static constexpr ReportSchema schema{rows};
   return schema;
 }

@@ -1,4 +1,4 @@
-// A deformation from files: handles, two registered meshes, or a map of displacements.
+// Reads deformations: handles, two registered meshes, or displacement maps.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -17,8 +17,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kUsualHandles = 30;  // of registered pairs
-constexpr double kCutRoom = 0.25;          // around handles, where ways around meshes are found
+constexpr std::size_t kUsualHandles = 30;  // for registered pairs
+constexpr double kCutRoom = 0.25;          // margin around handles in which detours around mesh cuts are found
 
 template <class List, class Write>
 std::string with_commas(const List& list, Write write) {
@@ -91,22 +91,23 @@ Deformation read_map(const std::string& file) {
 const OptionSchema& DeformationInput::schema() {
   using O = DeformationInput;
   static const OptionRow rows[] = {
-      option<&O::handles>({.text = "Where places went: JSON, or a table px,py,pz,qx,qy,qz[,weight]", .unit = "file"}),
+      option<&O::handles>(
+          {.text = "Handles, p moves to q: JSON, or a table px,py,pz,qx,qy,qz[,weight]", .unit = "file"}),
       option<&O::handles_from, TwoFiles>(
           {.text = "Two meshes whose vertices correspond: before.ply,after.ply", .unit = "a,b"}),
       option<&O::vertices, VertexNumbers>(
-          {.text = "Of `handles_from`: which vertices are handles, counted from 0: 10,200",
+          {.text = "For `handles_from`: vertices that are handles, counted from 0: 10,200",
            .unit = "numbers",
            .needs = "handles_from"}),
-      option<&O::handle_count>({.text = "Instead: so many, far from each other",
+      option<&O::handle_count>({.text = "Number of handles, spread evenly",
                                 .from_data = "30",
                                 .range = at_least(1),
                                 .needs = "handles_from",
                                 .excludes = "vertices"}),
       option<&O::map>(
-          {.text = "Instead of handles: a displacement map (.vti, as `displacement_map` writes it)", .unit = "file"}),
+          {.text = "Displacement map instead of handles (.vti, as written by `displacement_map`)", .unit = "file"}),
       option_group<&O::by>(MlsDeformationOptions::schema().rows),
-      option<&O::cuts>({.text = "What handles do not reach through: 'half-plane(POINT; NORMAL; INTO)' with the edge "
+      option<&O::cuts>({.text = "Cut that handles do not act across: 'half-plane(POINT; NORMAL; INTO)' with the edge "
                                 "through POINT across INTO, 'polygon(x,y,z; x,y,z; …)', or a mesh; may be repeated",
                         .unit = "cut",
                         .name = "cut"})};
@@ -117,14 +118,14 @@ const OptionSchema& DeformationInput::schema() {
 void DeformationInput::validate() const {
   validate_options(*this);
   if (!handles.empty() + !handles_from.empty() + !map.empty() != 1)
-    throw ArgumentError("one of `handles`, `handles_from` and `map` says how to deform");
+    throw ArgumentError("give one of `handles`, `handles_from` and `map`");
   if (!handles_from.empty() && handles_from.size() != 2)
     throw ArgumentError("`handles_from` takes two files: before.ply,after.ply");
   const MlsDeformationOptions usual;
   if (by.damping != usual.damping && cuts.empty()) throw ArgumentError("`cut_damping` needs `cut`");
-  if (!map.empty() && !cuts.empty()) throw ArgumentError("`cut` is of handles: a map has its gaps in the file");
+  if (!map.empty() && !cuts.empty()) throw ArgumentError("`cut` needs handles: the file of a map contains its gaps");
   if (!map.empty() && !options_set(by).empty())
-    throw ArgumentError(fmt::format("`{}` is of handles: not with `map`", options_set(by)[0]));
+    throw ArgumentError(fmt::format("`{}` needs handles: not with `map`", options_set(by)[0]));
   if (by.degree != usual.degree && by.kind != DeformationKind::nonlinear)
     throw ArgumentError("`degree` needs `kind = nonlinear`");
 }

@@ -1,4 +1,4 @@
-// A volume on a uniform grid.
+// Resampling of volumes to uniform grids.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -34,7 +34,7 @@ namespace {
 constexpr ReportRow kResampleReportRows[] = {
     reported<&ResampleReport::size>({.name = "output.size", .text = "Values along the axes"}),
     reported<&ResampleReport::inside>(
-        {.name = "output.inside", .text = "Share of the values that lie in the volume", .unit = "share"})};
+        {.name = "output.inside", .text = "Share of the values inside the volume", .unit = "share"})};
 
 }  // namespace
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kFewestSplats = 20000, kMostSplats = 300000;
 constexpr float kMostStretch = 1.5f;
-/// Where a surface turns by so many radians from splat to splat, splats are stretched in full.
+/// Angle between normals of neighbouring splats, in radians, at which splats are stretched fully.
 constexpr float kFullyBent = 0.3f;
 
 }  // namespace
@@ -38,7 +38,7 @@ SplatPoints spread_splats(const SurfaceModel& model, std::size_t count, const Co
     points.colors.clear();
   }
   progress.begin("curvature");
-  // The points lie on the surface: there is no noise left.
+  // The points are on the surface, so they have no noise.
   const std::vector<PrincipalCurvatures> bends =
       estimate_curvatures(points, {.neighbours = 20, .noise = 0.0}, progress);
   const float spacing =

@@ -25,7 +25,7 @@ namespace {
 /// Colours by another array of the volume; positions in coordinates of the surface.
 class ArrayColors : public ColorField {
  public:
-  /// The colours span what the array has at the places `seen`.
+  /// The colours span the range of the array at the points `seen`.
   ArrayColors(std::shared_ptr<const VolumeField> field, const Placement& place, std::span<const Vec3> seen)
       : field_(std::move(field)), place_(place) {
     const std::vector<double> there = values(seen);
@@ -69,16 +69,16 @@ const OptionSchema& SurfaceInVolumeLook::schema() {
   using O = SurfaceInVolumeLook;
   static constexpr OptionRow rows[] = {
       option<&O::color_by>({.text = "Array of the volume, or curvature: mean, gaussian, k1, k2", .unit = "name"}),
-      option<&O::color_range>({.text = "Curvature that gets the full colour, 1/length or, for gaussian, 1/length²",
+      option<&O::color_range>({.text = "Curvature with the full colour, 1/length or, for gaussian, 1/length²",
                                .unit = "value",
                                .from_data = "from data",
                                .range = positive(),
                                .needs = "color_by"}),
-      option<&O::sharp>({.text = "Normals turn sharply at edges and corners"}),
-      option<&O::quick>({.text = "One ray a pixel, no shadows"}),
+      option<&O::sharp>({.text = "Draw sharp edges and corners"}),
+      option<&O::quick>({.text = "Use one ray per pixel and no shadows"}),
       option<&O::frames>(kTurntable),
-      option<&O::bar>({.text = "Without the colour bar", .needs = "color_by"}),
-      option<&O::unit>({.text = "Of the array, or of lengths in curvatures, at the colour bar",
+      option<&O::bar>({.text = "Omit the colour bar", .needs = "color_by"}),
+      option<&O::unit>({.text = "Unit at the colour bar: of the array, or of lengths in curvatures",
                         .unit = "unit",
                         .needs = "color_by"})};
   static constexpr OptionSchema schema{rows};
@@ -106,7 +106,7 @@ SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, cons
   PointSet points;
   if (!look.color_by.empty() || look.sharp) points = of.surface->feet();
   if (const auto quantity = look.curvature()) {
-    // Curvatures of the input, a length or an area below the line, in coordinates of the surface.
+    // Curvatures of the input (1/length or 1/length²) in coordinates of the surface.
     const double unit = *quantity == CurvatureQuantity::gaussian ? place.unit * place.unit : place.unit;
     CurvatureColorOptions o;
     o.quantity = *quantity;
@@ -148,7 +148,7 @@ CastCounts SurfaceInVolumePictures::counts() const { return state_->caster->coun
 
 namespace {
 
-/// The colour bar beside the pictures.
+/// Colour bar beside the pictures.
 std::optional<ColorBar> bar_beside(const SurfaceInVolumeLook& look, const std::optional<ShownColors>& shown) {
   if (!shown || !look.bar) return std::nullopt;
   if (shown->curvature) return curvature_bar(*shown->curvature, shown->range, look.unit, true);
@@ -181,7 +181,7 @@ DrawnSurfaceInVolume draw_surface_in_volume(const SurfaceInVolume& surface, cons
 namespace {
 
 constexpr ReportRow kShownColorsRows[] = {
-    reported<&ShownColors::array>({.text = "Array that the colours show"}),
+    reported<&ShownColors::array>({.text = "Array shown by colours"}),
     reported<[](const ShownColors& r) { return r.colors.range().first; }>(
         {.name = "lower", .text = "Value of the first colour", .unit = "unit of the array"}),
     reported<[](const ShownColors& r) { return r.colors.range().second; }>(

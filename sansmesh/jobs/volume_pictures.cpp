@@ -19,7 +19,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The outer edges of the grid's cells, about a pixel and a half wide; thinner where cells are small.
+/// Outer edges of the grid's cells, about 1.5 pixels wide; thinner for small cells.
 PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& options) {
   RenderOptions own = options;
   own.look.surface_color = options.look.wire_color;
@@ -28,8 +28,8 @@ PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& opt
   const double seen =
       options.view.look_radius ? 2 * *options.view.look_radius : samples.bounds().diagonal() / options.view.zoom;
   tube.radius = 0.75 * seen / std::min(options.view.width, options.view.height);
-  // Lines that leave nothing between them would hide the volume: they may cover a share of its sides, about those of
-  // its box.
+  // Dense lines would hide the volume, so they may cover only a share of its sides, whose area is estimated from the
+  // box.
   constexpr double kCovered = 0.3;
   const PolylineSet lines = boundary_edges(samples);
   const Vec3 size = samples.bounds().size();
@@ -59,18 +59,18 @@ struct VolumePictures::State {
 const OptionSchema& VolumePicturesOptions::schema() {
   using O = VolumePicturesOptions;
   static const OptionRow rows[] = {
-      option<&O::opacity_by>({.text = "Array for the opacity, the other one then gives the colours", .unit = "name"}),
+      option<&O::opacity_by>({.text = "Array for the opacity; colours show the selected array", .unit = "name"}),
       option_group<&O::look>(VolumePictureOptions::schema().rows),
-      option<&O::grid>({.text = "Also the edges of the grid's cells where the volume ends; with an opacity of 0 these "
-                                "alone"}),
+      option<&O::grid>({.text = "Draw cell edges on the boundary of the volume; with an opacity of 0 only "
+                                "these"}),
       option<&O::baked>(
-          {.text = "Quick: from the field baked into bricks, whose error is reported", .old_name = "interactive"}),
-      option<&O::bake_error>({.text = "Of `baked`: error above which bricks are split, share of the range",
+          {.text = "Quick: render the field baked into bricks, and report the error", .old_name = "interactive"}),
+      option<&O::bake_error>({.text = "For `baked`: error above which bricks are split, share of the range",
                               .unit = "share",
                               .range = positive(1),
                               .needs = "baked"}),
-      option<&O::bar>({.text = "Without the colour bar"}),
-      option<&O::unit>({.text = "Of the array, at the colour bar"}),
+      option<&O::bar>({.text = "Omit the colour bar"}),
+      option<&O::unit>({.text = "Unit of the array at the colour bar"}),
       option<&O::frames>(kTurntable)};
   static const OptionSchema schema{rows};
   return schema;
@@ -80,7 +80,7 @@ void VolumePicturesOptions::validate() const {
   validate_options(*this);
   look.validate();
   if (!bar && (!look.color_title.empty() || !unit.empty()))
-    throw ArgumentError("`label` and `unit` stand at the colour bar: not with `bar = false`");
+    throw ArgumentError("`label` and `unit` are for the colour bar: not with `bar = false`");
 }
 
 VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options,
