@@ -413,7 +413,7 @@ TEST_F(FlowSeriesTool, MissingValuesOfLaterStepsAreSaid) {
   EXPECT_EQ(outcome.code, 0);
   EXPECT_NE(outcome.err.find("step_2.mha: "), std::string::npos) << outcome.err;
   EXPECT_NE(outcome.err.find("9.96921e+36"), std::string::npos) << outcome.err;
-  EXPECT_NE(outcome.err.find("; 1 more step has something of the kind"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("; 1 more step has similar notes"), std::string::npos) << outcome.err;
 }
 
 TEST_F(FlowSeriesTool, SaysWhichStepIsWrongInOneLine) {

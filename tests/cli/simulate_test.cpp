@@ -140,7 +140,7 @@ TEST_F(SimulateTool, WarnsOfBodiesThatBeginWithinObstacles) {
   const Outcome o = run(
       {"simulate", "bar.mesh", "--forces", "in.json", "--energies", "e.csv", "--frames", "2", "--duration", "0.02"});
   EXPECT_EQ(o.code, 0);
-  EXPECT_NE(o.err.find("1 vertex begins within an obstacle"), std::string::npos) << o.err;
+  EXPECT_NE(o.err.find("1 vertex starts within an obstacle"), std::string::npos) << o.err;
 }
 
 TEST_F(SimulateTool, NothingIsWrittenWhereAnInputOfPicturesIsWrong) {
@@ -190,7 +190,7 @@ TEST_F(SimulateTool, SaysInALineWhatIsWrong) {
   write("twice.json", R"({"fixed": [1, 2], "handles": {"on": [2, 3], "move": [1, 0, 0]}})");
   write("cut.mesh", slurp(path("bar.mesh")).substr(0, 300));
   expect_failures({
-      {{"simulate", "bar.mesh"}, 2, {"nothing would be written"}},
+      {{"simulate", "bar.mesh"}, 2, {"nothing to write"}},
       {{"simulate", "none.mesh", "-o", "a.ply"}, 1, {"none.mesh: no such file"}},
       {{"simulate", "flat.mesh", "-o", "a.ply"}, 1, {"flat.mesh: cell 0 (counted from 0) has no volume"}},
       {{"simulate", "cut.mesh", "-o", "a.ply"}, 1, {"cut.mesh: ", "truncated"}},
@@ -214,7 +214,7 @@ TEST_F(SimulateTool, SaysInALineWhatIsWrong) {
        {"explicit-euler is not stable"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--frames", "3", "--fps", "2", "--duration", "1"},
        2,
-       {"only two can be given"}},
+       {"only two of"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--embedded-volume", "v.vti"}, 2, {"--embedded-volume needs pictures"}},
       {{"simulate", "bar.mesh", "-o", "a.ply", "--duration", "0.001"}, 2, {"--duration", "shorter than a frame"}},
       // Explicit and much too long: it explodes.

@@ -115,7 +115,7 @@ TEST(ProjectJob, NamesWhoseFaultItIs) {
   };
   EXPECT_EQ(
       error({.points = far, .name = "far.ply", .onto = sphere(1000), .onto_name = "ball.ply"}, {.method = "apss"}),
-      "far.ply: no point lies near enough to the surface of ball.ply");
+      "far.ply: no point is near enough to the surface of ball.ply");
   EXPECT_EQ(
       error({.points = far, .name = "far.ply", .onto = sphere(4), .onto_name = "few.ply"}, {}).rfind("few.ply: ", 0),
       0u);

@@ -126,7 +126,7 @@ TEST(TraceLines, TellsOfSeedsOutsideAndWhereTheFlowIs) {
   EXPECT_TRUE(has_note(made.notes, "outside"));
   const std::string error = refused<DataError>([&] { trace_lines_of(flow, {.seeds = "point(9,9,9)"}, progress); });
   EXPECT_TRUE(holds(error, "turning.vti: ")) << error;
-  EXPECT_TRUE(holds(error, "(it lies between (-2, -2, -2)")) << error;
+  EXPECT_TRUE(holds(error, "(it is between (-2, -2, -2)")) << error;
 }
 
 TEST(TraceLines, OptionsSayWhichWay) {

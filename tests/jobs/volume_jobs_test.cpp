@@ -90,7 +90,7 @@ TEST(VolumeModel, BareGridsAreAnErrorUnlessTheyMayBe) {
     FAIL() << "a volume without arrays";
   } catch (const DataError& error) {
     EXPECT_EQ(std::string(error.what()),
-              "made.vti: holds no arrays: there is nothing to reconstruct; its arrays are elsewhere");
+              "made.vti: has no arrays: there is nothing to reconstruct; its arrays are elsewhere");
   }
   Progress progress;
   VolumeModel may_be = model_of(bare, {.bare = true});
