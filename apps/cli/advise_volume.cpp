@@ -21,7 +21,7 @@ std::string shell_word(const std::string& name) {
   return text + "'";
 }
 
-/// All that was said of how the files are read, to be said again.
+/// The given options of reading, as text of a command line.
 std::string read_words(const VolumeReadOptions& read) {
   std::string words;
   const std::vector<std::string_view> set = options_set(read);
@@ -37,7 +37,7 @@ std::string read_words(const VolumeReadOptions& read) {
   return words;
 }
 
-/// For each aim, in the order of the enumerators.
+/// Commands in the order of the enumerators of the aim.
 constexpr const char* kVolumeCommands[] = {"volume probe {files}{array} --points where.csv -o values.csv",
                                            "volume resample {files}{array} -o resampled.vti",
                                            "volume {surface} {files}{array} --value {value:.4g} -o surface.ply",
@@ -49,12 +49,12 @@ constexpr const char* kVolumeCommands[] = {"volume probe {files}{array} --points
                                            "deform {files}{array} --handles handles.json -o deformed.png",
                                            "simulate {files} --animation moved.png"};
 
-/// The command that makes what is recommended; `files` with all that has to be said of them again.
+/// The recommended command; `files` includes the options of reading.
 std::string volume_command(const VolumeRecommendation& r, const VolumeAdvice& advice, const std::string& files,
                            bool several) {
   const bool series = advice.offer.steps > 1;
   std::string flow, seeds;
-  // Several files may be steps in time or blocks: nothing tells which.
+  // Several files may be steps in time or blocks, which cannot be distinguished.
   if (!advice.flow.empty() && !(series && several))
     flow = " --array " + shell_words({advice.flow}) + (series ? " --unsteady" : "");
   if (advice.seeds) {
@@ -73,9 +73,9 @@ std::string volume_command(const VolumeRecommendation& r, const VolumeAdvice& ad
 }  // namespace
 
 const ReportSchema& ToldCommand::schema() {
-  static constexpr ReportRow rows[] = {reported<&ToldCommand::aim>({.text = "What it is for"}),
-                                       reported<&ToldCommand::why>({.text = "Reason for that"}),
-                                       reported<&ToldCommand::command>({.text = "Command that does it"})};
+  static constexpr ReportRow rows[] = {reported<&ToldCommand::aim>({.text = "Purpose"}),
+                                       reported<&ToldCommand::why>({.text = "Reason"}),
+                                       reported<&ToldCommand::command>({.text = "Command"})};
   static constexpr ReportSchema schema{rows};
   return schema;
 }

@@ -1,4 +1,4 @@
-// sansmesh align: one cloud or mesh moved onto another.
+// Command `align`: moves a cloud or mesh onto another one.
 #include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
@@ -31,7 +31,7 @@ struct AlignArguments {
 
 void run_align(const AlignArguments& a, Console& console) {
   AffineMap before;
-  if (!a.start.empty()) before = read_transform(a.start);  // before all else: it may be no transform
+  if (!a.start.empty()) before = read_transform(a.start);  // first, since the file may not contain a transform
   a.options.validate();
   a.output.check_preview();
   Progress& progress = console.progress();
@@ -80,29 +80,29 @@ void run_align(const AlignArguments& a, Console& console) {
 }  // namespace
 
 Command add_align(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("align", "Cloud or mesh → the same moved onto another surface");
+  CommandLine& c = app.add_subcommand("align", "Cloud or mesh → the same, moved onto another surface");
   auto a = std::make_shared<AlignArguments>();
   a->moving.files.resize(1);
-  c.add_option("moving", a->moving.files[0], "What moves: mesh, points, or function (.smf)")
+  c.add_option("moving", a->moving.files[0], "Surface to move: mesh, points, or function (.smf)")
       .reads(endings_read(kPoints | kFunction))
       .required();
-  c.add_option("fixed", a->fixed.files, "What it moves onto: mesh, points, or function; several files are read as one")
+  c.add_option("fixed", a->fixed.files, "Fixed surface: mesh, points, or function; several files are read as one")
       .reads(endings_read(kPoints | kFunction))
       .required();
-  add_class_options(c, a->fixed, " of what it moves onto");
-  c.add_option("-o,--output", a->output.file, "What has moved, with all its attributes: formats of meshes or of points")
+  add_class_options(c, a->fixed, " of the fixed surface");
+  c.add_option("-o,--output", a->output.file, "Moved surface with all attributes: formats of meshes or of points")
       .writes(endings_written(kMesh | kPoints));
-  c.add_option("--transform-output", a->transform_output, "The motion as 4 rows of 4 numbers (.json: as JSON)")
+  c.add_option("--transform-output", a->transform_output, "Motion as 4 rows of 4 numbers (.json: as JSON)")
       .writes({".txt", ".json"});
   add_schema(c, a->options, {.group = "Alignment"});
-  c.add_option("--start-transform", a->start, "First move it by this: 4 rows of 4 numbers").reads();
-  add_preview_option(c, a->output.preview, "both, what has moved in orange,");
+  c.add_option("--start-transform", a->start, "Apply this transform first: 4 rows of 4 numbers").reads();
+  add_preview_option(c, a->output.preview, "both surfaces, the moved one in orange,");
   add_ascii_flag(c, a->output.ascii);
   add_picture_options(c, a->output.picture);
   add_wireframe_options(c, a->output.picture.options);
   c.footer(
-      "Distances run from samples of what moves to the surface of what is fixed; what lies beyond its borders, or\n"
-      "has no counterpart, does not count. Without an output the motion is printed.\n\n"
+      "Distances are measured from samples of the moving surface to the fixed one; parts beyond its borders, or\n"
+      "without a counterpart, are ignored. Without an output the motion is printed.\n\n"
       "Examples:\n"
       "  sansmesh align scan.ply design.stl -o aligned.ply --transform-output motion.txt\n"
       "  sansmesh align second.ply first.ply --from anywhere --json\n"

@@ -1,4 +1,4 @@
-// sansmesh assess: how good is a mesh?
+// Command `assess`: measures the quality of a mesh.
 #include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
@@ -16,13 +16,13 @@ namespace {
 
 struct AssessArguments {
   std::string surface;
-  CloudInput reference;  ///< without files: none
+  CloudInput reference;  ///< optional
   AssessOptions options;
 };
 
 void run_assess(const AssessArguments& a, Console& console) {
   require(!a.reference.files.empty() || !a.reference.classes,
-          "--class and --without-class choose among the points of the reference");
+          "--class and --without-class select points of the reference");
   a.options.validate();
   Progress& progress = console.progress();
   progress.begin("read");
@@ -57,12 +57,12 @@ Command add_assess(CommandLine& app) {
   add_class_options(c, a.reference, " of the reference");
   add_schema(c, a.options);
   c.footer(
-      "To the reference: accuracy. From the reference: completeness. Normal angles are between planes, 0..90°.\n"
-      "Where a side is a set of points, distances do not fall below half their spacing.\n"
-      "Of the samples of a cloud or a meshed scan: lost, the share of them without a surface, farther from it than "
+      "To the reference: accuracy. From the reference: completeness. Angles of normals are between planes, 0..90°.\n"
+      "If one side is a set of points, distances do not fall below half their spacing.\n"
+      "For samples of a cloud or a meshed scan: lost is the share of samples farther from the surface than "
       "two\n"
-      "spacings and four times the noise; invented, the share of the mesh's area farther than four spacings from "
-      "all.\n\n"
+      "spacings and four times the noise; invented is the share of the mesh's area farther than four spacings from "
+      "all samples.\n\n"
       "Examples:\n"
       "  sansmesh assess surface.ply\n"
       "  sansmesh assess surface.ply scan.ply");

@@ -12,7 +12,7 @@
 namespace sansmesh::cli {
 namespace {
 
-/// What --class or --without-class names.
+/// Parses the value of --class or --without-class.
 PointClasses classes_of(const std::string& list) {
   try {
     return parse_point_classes(list);
@@ -60,8 +60,8 @@ PointSet CloudInput::read(Console& console, ReadReport& report) const {
     } catch (const DataError& error) {
       throw FileError(name(), console.in_flags(error.what()));
     }
-    console.say(
-        fmt::format("{}: {} of {} are of the classes chosen", name(), grouped(points.size()), counted(given, "point")));
+    console.say(fmt::format("{}: {} of {} are of the selected classes", name(), grouped(points.size()),
+                            counted(given, "point")));
   }
   return points;
 }
@@ -81,7 +81,7 @@ void add_class_options(CommandLine& c, CloudInput& input, const std::string& of)
          input.classes = input.classes ? *input.classes & wanted : wanted;
          input.with = list;
        },
-       "Only points" + of + " of these classes, with commas between them: names (ground, building) or numbers (2, 3-5)")
+       "Keep only points" + of + " of these classes, separated by commas: names (ground, building) or numbers (2, 3-5)")
       .type_name("CLASSES")
       .group("Input");
   c.add_option_function(
@@ -91,7 +91,7 @@ void add_class_options(CommandLine& c, CloudInput& input, const std::string& of)
          input.classes = input.classes ? *input.classes & ~unwanted : ~unwanted;
          input.without = list;
        },
-       "All but points" + of + " of these classes: noise")
+       "Drop points" + of + " of these classes: noise")
       .type_name("CLASSES")
       .group("Input");
 }

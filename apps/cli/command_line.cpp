@@ -10,7 +10,7 @@
 namespace sansmesh::cli {
 namespace {
 
-/// "-o", "--output" of "-o,--output".
+/// Splits "-o,--output" into "-o" and "--output".
 std::vector<std::string> split_names(const std::string& names) {
   std::vector<std::string> list;
   for (std::size_t at = 0; at <= names.size();) {
@@ -21,7 +21,7 @@ std::vector<std::string> split_names(const std::string& names) {
   return list;
 }
 
-// How the variable of an option is read: its kind, and its value from words.
+// Kind of an option's variable, and conversion of words to its value.
 template <class T>
 struct Variable;
 

@@ -12,7 +12,7 @@
 namespace sansmesh::cli {
 namespace {
 
-/// All commands that have some, or options, with their names below the root: "", "reconstruct", "volume", "volume
+/// All commands with subcommands or options, with their names below the root: "", "reconstruct", "volume", "volume
 /// probe".
 void collect_commands(const CommandLine& line, const std::string& name,
                       std::vector<std::pair<std::string, const CommandLine*>>& all) {
@@ -27,7 +27,7 @@ std::vector<std::pair<std::string, const CommandLine*>> all_commands(const Comma
   return all;
 }
 
-/// Its own options and those of every command; without those that are told from their place.
+/// A command's own and global options, without positional ones.
 std::vector<const OptionEntry*> typed_options(const CommandLine& command) {
   std::vector<const OptionEntry*> list;
   for (const OptionGroup& group : option_groups_of(command))
@@ -49,7 +49,7 @@ std::string joined(const std::vector<std::string>& words, const std::string& bet
   return text;
 }
 
-/// "ply|obj" of the endings that fit; empty if all files do.
+/// "ply|obj" for the matching endings; empty if all files match.
 std::string endings_pattern(const OptionEntry& option) {
   std::vector<std::string> bare;
   bare.reserve(option.endings.size());
@@ -98,7 +98,7 @@ constexpr const char* kBashEnd = R"(  esac
 complete -F _sansmesh sansmesh
 )";
 
-/// What completes the value of an option; empty if nothing can.
+/// Completion action for the value of an option; empty if there is none.
 std::string bash_action(const OptionEntry& option) {
   if (!option.words.empty()) return fmt::format("_sansmesh_words '{}'", joined(option.words, " "));
   if (option.is_file()) return fmt::format("_sansmesh_files '{}'", endings_pattern(option));
@@ -107,7 +107,7 @@ std::string bash_action(const OptionEntry& option) {
 
 // --- zsh
 
-/// A text within a specification of _arguments, which stands in single quotes.
+/// Text inside a single-quoted specification of _arguments.
 std::string zsh_text(const std::string& text) {
   std::string safe;
   for (const char c : text) {
@@ -119,7 +119,7 @@ std::string zsh_text(const std::string& text) {
   return safe;
 }
 
-/// ":name:action" of a value.
+/// ":name:action" for a value.
 std::string zsh_value(const OptionEntry& option) {
   std::string action = " ";
   if (!option.words.empty()) {
@@ -237,7 +237,7 @@ std::string bash_completion(const CommandLine& root) {
   for (const auto& [name, command] : commands)
     if (!name.empty()) names.push_back("'" + name + "'");
   text += "      " + joined(names, "|") + ") command=$word ;;\n    esac\n  done\n";
-  // Values: the options that are completed in the same way are one line.
+  // Options with the same completion share one line.
   std::map<std::string, std::vector<std::string>> values;
   for (const auto& [name, command] : commands)
     for (const OptionEntry* option : typed_options(*command))
@@ -272,7 +272,7 @@ std::string bash_completion(const CommandLine& root) {
 std::string zsh_completion(const CommandLine& root) {
   std::string text = "#compdef sansmesh\n# Completion of sansmesh for zsh, made by `sansmesh completion zsh`.\n";
   for (const auto& [name, command] : all_commands(root)) text += zsh_function(name, *command);
-  // As a function of $fpath it is called; as a script that was read it has to say what it completes.
+  // A file in $fpath is called as a function; a sourced script must register itself.
   return text +
          "if [[ $funcstack[1] == _sansmesh ]]; then\n  _sansmesh \"$@\"\nelse\n  compdef _sansmesh sansmesh\nfi\n";
 }

@@ -21,14 +21,14 @@ namespace {
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
-constexpr double kBarDelay = 0.3;  // seconds of work before a bar is worth drawing
+constexpr double kBarDelay = 0.3;  // seconds of work before the bar is drawn
 
 }  // namespace
 
-/// The JSON of all that was told until now.
+/// JSON of all reports so far.
 struct Console::Results {
   Json told, messages = Json::array();
-  Json files = Json::array();  ///< of several files, one after the other
+  Json files = Json::array();  ///< one object per input file
 };
 
 Console::Console(const ConsoleOptions& options, const CommandLine& command)
@@ -59,7 +59,7 @@ void Console::finish() {
 std::string Console::rescue_frames() {
   const std::size_t kept = outputs_.waiting();
   if (!keeps_frames_ || kept == 0) return {};
-  // After a failure of finish() the file of the error is one of the frames.
+  // After a failure of finish(), the file in the error is one of the frames.
   const std::string files = finishing_ ? counted(kept, "other file") : counted(kept, "file") + " before it";
   try {
     outputs_.commit();
@@ -71,7 +71,7 @@ std::string Console::rescue_frames() {
   return fmt::format("; {} {} kept", files, kept == 1 ? "is" : "are");
 }
 
-/// Other words would spoil standard output that is a file of the command.
+/// If the command writes a file to standard output, text is printed to standard error.
 void Console::show(const std::string& text) {
   if (text.empty()) return;
   clear();
@@ -105,7 +105,7 @@ void Console::check_announced(const ToldReport& told) const {
 }
 
 void Console::tell(const ToldReport& told, const void* report) {
-  progress_.finish();  // what is told has been made
+  progress_.finish();  // the stage has ended
   check_announced(told);
   if (!options_.json) return;
   if (told.list)

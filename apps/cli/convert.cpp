@@ -1,4 +1,4 @@
-// sansmesh convert: clouds and meshes into other formats, moved, cropped, thinned, welded, split on the way.
+// Command `convert`: converts clouds and meshes to other formats, and moves, crops, thins, welds or splits them.
 #include "sansmesh/convert.h"
 
 #include <fmt/core.h>
@@ -32,7 +32,7 @@ struct ConvertArguments {
   SplitOptions parts;
 };
 
-/// A cloud or a mesh that was written.
+/// Written cloud or mesh.
 struct ConvertedFile {
   std::string file;
   std::size_t size = 0;
@@ -44,14 +44,14 @@ struct ConvertedFile {
 constexpr ReportRow kConvertedFile[] = {
     reported<&ConvertedFile::file>({.text = "File"}),
     reported<[](const ConvertedFile& r) { return told_if(!r.triangles, r.size); }>(
-        {.name = "points", .text = "Points that were written"}),
+        {.name = "points", .text = "Points in the file"}),
     reported<[](const ConvertedFile& r) { return told_if(r.triangles.has_value(), r.size); }>(
-        {.name = "vertices", .text = "Vertices that were written"}),
-    reported<&ConvertedFile::triangles>({.text = "Triangles that were written"})};
+        {.name = "vertices", .text = "Vertices in the file"}),
+    reported<&ConvertedFile::triangles>({.text = "Triangles in the file"})};
 constexpr ReportSchema kConvertedFileSchema{kConvertedFile};
 const ReportSchema& ConvertedFile::schema() { return kConvertedFileSchema; }
 
-/// Names that nobody gave: they must not be those of the input.
+/// Generated names, which must not be those of the input.
 std::vector<std::string> names_of_parts(const ConvertArguments& a, std::size_t parts, Console& console) {
   std::vector<std::string> names(parts);
   for (std::size_t k = 0; k < parts; ++k) names[k] = part_name(a.output, k + 1, parts);
@@ -59,14 +59,14 @@ std::vector<std::string> names_of_parts(const ConvertArguments& a, std::size_t p
   std::error_code none;
   const std::string beyond = part_name(a.output, parts + 1, parts);
   if (std::filesystem::exists(beyond, none))
-    console.warn(beyond, {"is none of the " + counted(parts, "part") + ", but was there before"});
+    console.warn(beyond, {"is not one of the " + counted(parts, "part") + ", and existed before"});
   return names;
 }
 
 void run_convert(const ConvertArguments& a, Console& console) {
   a.options.validate();
   a.parts.validate();
-  require(a.split || options_set(a.parts).empty(), "--split-distance and --min-size mean nothing without --split");
+  require(a.split || options_set(a.parts).empty(), "--split-distance and --min-size need --split");
   check_converted(a.output, a.options.vertices_only);
   const std::string name = a.input.name();
   Progress& progress = console.progress();
@@ -130,7 +130,7 @@ Command add_convert(CommandLine& app) {
       .required();
   add_ascii_flag(c, a.ascii);
   add_schema(c, a.options, {.only = {"vertices_only"}});
-  c.add_flag("--split", a.split, "Connected parts as files of their own: NAME_001.ply, … the largest first");
+  c.add_flag("--split", a.split, "Write connected parts as separate files: NAME_001.ply, …, the largest first");
   add_schema(c, a.parts);
   add_schema(c, a.options,
              {.group = "Moves",
@@ -141,15 +141,15 @@ Command add_convert(CommandLine& app) {
       {.group = "Selection", .only = {"box", "outside_box", "point_spacing", "point_count", "every", "keep", "drop"}});
   add_schema(c, a.options, {.group = "Changes", .only = {"weld", "flip", "flip_faces", "flip_normals"}});
   c.footer(std::string(kReadable) +
-           " Moves, selections and changes are done in the order in\n"
-           "which they are given.\n\nExamples:\n"
+           " Moves, selections and changes are applied in the\n"
+           "given order.\n\nExamples:\n"
            "  sansmesh convert part.stl -o part.ply --weld 0 --unit mm --to-unit m --up z\n"
            "  sansmesh convert a.las b.las -o all.ply --box 0,0,0,100,100,50 --point-spacing 0.5\n"
            "  sansmesh convert scan.ply -o moved.ply --transform matrix.txt");
   c.tells({told<ReadFiles>("input"), told_value<std::string>("input.format", "Format of the file"),
-           told_value<std::vector<std::string>>("input.unread", "What there was no place for"), told<ConvertReport>(),
+           told_value<std::vector<std::string>>("input.unread", "Unread parts of the file"), told<ConvertReport>(),
            told<SplitResult>(), told_list<ConvertedFile>("outputs"),
-           told_value<std::vector<std::string>>("left_out", "What the format of the output has no room for")});
+           told_value<std::vector<std::string>>("left_out", "Parts that the output format cannot hold")});
   return {&c, [shared](Console& console) { run_convert(*shared, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh csg: an expression of functions and primitives in, closed mesh with its creases out.
+// Command `csg`: meshes an expression of functions, meshes and primitives.
 #include "sansmesh/solids.h"
 
 #include <fmt/core.h>
@@ -41,13 +41,13 @@ void run_csg(const CsgArguments& a, Console& console) {
 Command add_csg(CommandLine& app) {
   CommandLine& c = app.add_subcommand("csg", "Functions and primitives, combined → closed triangle mesh with creases");
   auto a = std::make_shared<CsgArguments>();
-  c.add_option("expression", a->expression, "What to combine, in quotes: see below").type_name("EXPRESSION").required();
+  c.add_option("expression", a->expression, "Expression in quotes: see below").type_name("EXPRESSION").required();
   add_mesh_output(c, a->output);
   add_schema(c, a->options);
   c.footer(
       "Solids are function files (.smf, made by sansmesh fit), closed meshes (STL, PLY, OBJ, OFF, VTP; names with "
       "dashes\n"
-      "or blanks in quotes), what is above a value in a volume (data.vtu[Temp=300]) and\n"
+      "or blanks in quotes), the region above a value in a volume (data.vtu[Temp=300]) and\n"
       "  sphere(r, center)                    box(size, center, r) or box(from=, to=, r=)\n"
       "  cylinder(r, h, axis, center)         without h it has no ends\n"
       "  cone(r, h, top, axis, center)        torus(R, r, axis, center)\n"

@@ -1,4 +1,4 @@
-// sansmesh deform: anything by handles, or by a map of displacements.
+// Command `deform`: deforms clouds, meshes, functions, solids and volumes.
 #include "sansmesh/deform.h"
 
 #include <fmt/core.h>
@@ -20,7 +20,7 @@ namespace sansmesh::cli {
 namespace {
 
 struct DeformArguments {
-  VolumeInput input;  ///< its files are also those of clouds, or an expression
+  VolumeInput input;  ///< files are also those of clouds, or an expression
   DeformationInput deformation;
   DeformOptions options;
   DeformationMapOptions map;
@@ -32,7 +32,7 @@ struct DeformArguments {
   DeformAim aim() const { return deform_aim(output); }
 };
 
-/// All that can be told before anything is read.
+/// Checks everything that can be checked before reading.
 DeformKind check_deform(DeformArguments& a) {
   const bool vti = a.output.ends_with(".vti");
   a.options.look.picture = a.picture.chosen();
@@ -43,9 +43,9 @@ DeformKind check_deform(DeformArguments& a) {
   a.options.validate(a.aim());
   require(a.unit.empty() || a.output.ends_with(".svg"), "--unit is for drawings: -o FILE.svg");
   require(!a.all_arrays || a.input.array.empty(), "give --array or --all-arrays, not both");
-  require(!a.all_arrays || vti, "--all-arrays needs a format of several arrays: -o FILE.vti");
+  require(!a.all_arrays || vti, "--all-arrays needs a format with several arrays: -o FILE.vti");
   require(!a.map.nodes || vti, "--displacement-map is written as -o FILE.vti");
-  require(!a.map.nodes || !a.options.frames, "--displacement-map is of one deformation: without --frames");
+  require(!a.map.nodes || !a.options.frames, "--displacement-map excludes --frames");
   a.map.box = a.options.box;
   const bool volume = a.input.read.raw.given() || !a.input.array.empty() || a.all_arrays;
   DeformKind kind = deform_kind(a.input.files);
@@ -71,7 +71,7 @@ DeformSubject read_subject(const DeformArguments& a, DeformKind kind, std::vecto
     return solid;
   }
   VolumeModel volume = a.input.open(console);
-  if (a.map.nodes) {  // its box is all that matters
+  if (a.map.nodes) {  // only the box is needed
     DeformableVolume subject{
         .name = volume.name(), .samples = volume.samples(console.progress()), .fields = {}, .arrays = {}};
     console.tell(a.input.told(volume, console.progress()), "input");
@@ -126,18 +126,19 @@ void run_deform(DeformArguments& a, Console& console) {
 }  // namespace
 
 Command add_deform(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("deform", "Anything, pulled at handles: cloud, mesh, function, solid, volume");
+  CommandLine& c =
+      app.add_subcommand("deform", "Cloud, mesh, function, solid or volume → the same, deformed by handles");
   auto shared = std::make_shared<DeformArguments>();
   DeformArguments& a = *shared;
   c.add_option("input", a.input.files,
-               "Mesh, points, function (.smf), expression as of csg, DATA[NAME=VALUE], or a volume")
+               "Mesh, points, function (.smf), expression of csg, DATA[NAME=VALUE], or a volume")
       .type_name("INPUT")
       .reads()
       .required();
   c.add_option(
        "-o,--output", a.output,
-       "Mesh or points as they came; of functions a mesh, a section (.svg, .csv); of volumes .vti, .mhd, .nrrd; "
-       "of all a picture (.png)")
+       "Mesh or points like the input; for functions a mesh or sections (.svg, .csv); for volumes .vti, .mhd, .nrrd; "
+       "always a picture (.png)")
       .writes({".ply", ".png", ".svg", ".csv", ".vti", ".mhd", ".nrrd"})
       .required();
   add_schema(c, a.deformation, {.group = "Deformation", .without = {"cut", "cut_damping"}});
@@ -147,7 +148,7 @@ Command add_deform(CommandLine& app) {
   add_schema(c, a.options, {.group = "Cuts", .only = {"cut_open"}});
 
   add_schema(c, a.options, {.group = "Meshes", .only = {"refine"}});
-  c.add_flag("--ascii", a.ascii, "Text instead of binary, where the format has both").group("Meshes");
+  c.add_flag("--ascii", a.ascii, "Write text where the format also has a binary form").group("Meshes");
 
   const char* const functions = "Functions and solids";
   add_schema(c, a.options, {.group = functions, .only = {"resolution", "cell", "simplify", "components", "plane"}});
@@ -160,17 +161,17 @@ Command add_deform(CommandLine& app) {
   add_raw_options(c, a.input.read);
   add_volume_array(c, a.input);
   const char* const volumes = "Volumes";
-  c.add_flag("--all-arrays", a.all_arrays, "All arrays of the same samples (.vti)").group(volumes);
+  c.add_flag("--all-arrays", a.all_arrays, "Deform all arrays of the same samples (.vti)").group(volumes);
   add_schema(c, a.options, {.group = volumes, .only = {"size", "outside", "map_nodes"}});
   c.add_flag_callback(
        "--nan", [&a] { a.options.lattice.outside = std::numeric_limits<double>::quiet_NaN(); },
-       "Values outside of the volume are NaN: --outside nan")
+       "Set values outside the volume to NaN: --outside nan")
       .group(volumes);
   a.colors.add_options(c, volumes);
   add_schema(c, a.options.look, {.group = volumes, .only = {"clip", "shading"}});
   a.options.look.color_bar = true;
   c.add_flag_callback(
-       "--no-bar", [&a] { a.options.look.color_bar = false; }, "Without the colour bar")
+       "--no-bar", [&a] { a.options.look.color_bar = false; }, "Omit the colour bar")
       .group(volumes);
 
   add_schema(c, a.options, {.group = "Picture", .only = {"exact_deformation", "draw_handles", "draw_folds"}});
@@ -178,9 +179,9 @@ Command add_deform(CommandLine& app) {
   add_picture_options(c, a.picture);
   add_wireframe_options(c, a.picture.options);
   c.footer(
-      "Handles are places that went somewhere, all else follows: {\"handles\": [{\"p\": [x, y, z], \"q\": [x, y, z]}, "
+      "Handles move points p to q, and everything else follows: {\"handles\": [{\"p\": [x, y, z], \"q\": [x, y, z]}, "
       "…]}\n"
-      "(docs/formats/handles.md). A handle without q stays where it is: some that hold fast what is not to move.\n\n"
+      "(docs/formats/handles.md). A handle without q is fixed: use some for the parts that should not move.\n\n"
       "Examples:\n"
       "  sansmesh deform scan.ply --handles pull.json -o pulled.ply\n"
       "  sansmesh deform scan.ply --handles pull.csv --kind affine -o pose.png --frames 24 --draw-handles\n"
@@ -192,7 +193,7 @@ Command add_deform(CommandLine& app) {
       "  sansmesh deform body.ply --handles-from scan0.ply,scan1.ply --handle-count 60 -o body1.ply");
   c.tells({told<ReadCloud>("input"), told<SolidModel>("input"), told<ReadVolume>("input"),
            told<Deformation>("deformation"), told<DeformableVolume>("output"), told<DeformReport>("output"),
-           told_value<std::vector<std::string>>("output.files", "Files, a pose each")});
+           told_value<std::vector<std::string>>("output.files", "Files, one per pose")});
   return {&c, [shared](Console& console) { run_deform(*shared, console); }};
 }
 

@@ -1,4 +1,4 @@
-// sansmesh fit: points in, function file out.
+// Command `fit`: fits a function to points.
 #include "sansmesh/functions.h"
 #include "sansmesh/jobs/fit_words.h"
 
@@ -64,11 +64,11 @@ void check_function_writable(const std::string& file) {
 }
 
 Command add_fit(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("fit", "Points → function file, from which all else can be made");
+  CommandLine& c = app.add_subcommand("fit", "Points → function file, the input of mesh, probe, edit, …");
   auto a = std::make_shared<FitArguments>();
   add_cloud_input(c, a->input, "Points, or a mesh or polygon soup");
   c.add_option("-o,--output", a->output, "Function to write: .smf").writes({".smf"}).required();
-  c.add_flag("--without-samples", a->without_samples, "A smaller file, but parts of it cannot be fitted again");
+  c.add_flag("--without-samples", a->without_samples, "Write a smaller file, which cannot be refitted");
   add_schema(c, a->options.cloud, {.without = {"class"}});
   add_fit_options(c, a->options.fit);
   c.footer(std::string(kReadable) +
@@ -77,7 +77,7 @@ Command add_fit(CommandLine& app) {
            "  sansmesh mesh scan.smf -o scan-mesh.ply\n"
            "  sansmesh diagnose scan.smf");
   c.tells({told<ReadCloud>("input"), told<FunctionInfo>(), told<CloudScale>(), told<FitFunctionReport>(),
-           told<ToldFile>("output"), told_value<std::size_t>("output.samples", "Samples that were written with it")});
+           told<ToldFile>("output"), told_value<std::size_t>("output.samples", "Samples in the file")});
   return {&c, [a](Console& console) { run_fit(*a, console); }};
 }
 

@@ -47,10 +47,10 @@ void add_times_option(CommandLine& c, std::vector<double>& times, const char* gr
                              "--times",
                              [&times](const std::string& text) {
                                const auto read = numbers_in(text);
-                               if (!read) throw must_be("numbers with commas between them", text);
+                               if (!read) throw must_be("comma-separated numbers", text);
                                times.insert(times.end(), read->begin(), read->end());
                              },
-                             "With --unsteady: of the files, T0,T1,…, or the first and the step between them [0,1]")
+                             "With --unsteady: times of the files, T0,T1,…, or the first and the interval [0,1]")
                             .type_name("TIMES");
   if (group != nullptr) option.group(group);
 }

@@ -1,4 +1,4 @@
-// sansmesh flow lines: stream, path, streak and time lines.
+// Command `flow lines`: stream, path, streak and time lines.
 #include "sansmesh/flow.h"
 
 #include <fmt/core.h>
@@ -27,7 +27,7 @@ struct FlowLinesArguments {
   bool ascii = false;
 };
 
-/// All that can be told before anything is read.
+/// Checks everything that can be checked before reading.
 void check_flow_lines(FlowLinesArguments& a) {
   check_writable(a.output, "lines");
   a.options.validate();

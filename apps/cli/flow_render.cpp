@@ -1,4 +1,4 @@
-// sansmesh flow render: pictures of stream, path, streak and time surfaces.
+// Command `flow render`: pictures of stream, path, streak and time surfaces.
 #include <memory>
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-// sansmesh flow surface: stream, path, streak and time surfaces.
+// Command `flow surface`: stream, path, streak and time surfaces.
 #include "sansmesh/flow.h"
 
 #include <fmt/core.h>
@@ -43,7 +43,8 @@ Command add_flow_surface(CommandLine& flow) {
   add_flow_surface_input(c, shared->input, shared->options);
   add_mesh_output(c, shared->mesh);
   c.footer(
-      std::string("The mesh has for each vertex s (place on the curve), time, speed and front.\n") + kFlowsByFormula +
+      std::string("The vertices of the mesh have s (position on the curve), time, speed and front.\n") +
+      kFlowsByFormula +
       "Examples:\n"
       "  sansmesh flow surface office.vtk --seeds 'line(0.5,0.5,1, 4,4,1, 200)' -o stream.ply --preview stream.png\n"
       "  sansmesh flow surface eddies.nek5000 --unsteady --seeds 'line(1,1,0, 5,5,0, 200)' -o path.ply\n"

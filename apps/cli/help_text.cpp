@@ -13,13 +13,13 @@ namespace {
 constexpr std::size_t kWidth = 110, kColumn = 28;
 constexpr const char* kExamplesHeading = "Examples:\n";
 
-/// Characters of UTF-8.
+/// Number of UTF-8 characters.
 std::size_t shown_width(const std::string& text) {
   return static_cast<std::size_t>(
       std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
-/// Words on the left, and beside them, in lines that are broken between words, what they mean.
+/// Words on the left, and their explanation on the right, wrapped between words.
 std::string entry_lines(const std::string& left, const std::string& right) {
   std::string text = "  " + left;
   std::size_t at = shown_width(text);
@@ -100,7 +100,7 @@ std::vector<OptionGroup> option_groups_of(const CommandLine& command) {
   std::vector<OptionGroup> groups;
   for (const auto& option : command.options()) {
     const std::string heading = option->positional() ? "" : option->group;
-    const bool first = heading.empty() || heading == "Options";  // what is told from its place, then the rest
+    const bool first = heading.empty() || heading == "Options";  // positional arguments, then options without a heading
     auto group = std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.heading == heading; });
     if (group == groups.end()) {
       const bool after = heading == "Options" && !groups.empty() && groups[0].heading.empty();
@@ -138,7 +138,7 @@ std::string word_of_heading(const std::string& heading) {
   return word;
 }
 
-/// Names of the advanced options, which are not shown at first.
+/// Names of the advanced options, which the short help omits.
 std::string names_in(const OptionGroup& group) {
   std::string names;
   for (const OptionEntry* option : group.options)
@@ -161,7 +161,7 @@ std::string help_on_group(const CommandLine& command, const std::string& word) {
 std::string help_on_views(const CommandLine& tool) {
   for (const auto& command : tool.commands())
     if (std::string text = help_on_group(*command, word_of_heading(kViewGroup)); !text.empty())
-      return "Of every command that makes pictures.\n\n" + text;
+      return "Options of every command that draws pictures.\n\n" + text;
   return "";
 }
 
@@ -177,8 +177,7 @@ std::string help_text(const CommandLine& command, bool all) {
     text += lines_of_group(group, all);
     if (all) continue;
     if (group.heading == kViewGroup)
-      named += entry_lines(word_of_heading(group.heading),
-                           "Size of pictures, and from where they look: " + tool + " help view");
+      named += entry_lines(word_of_heading(group.heading), "Size and view of pictures: " + tool + " help view");
     else if (const std::string names = names_in(group); !names.empty())
       named += entry_lines(word_of_heading(group.heading), names);
   }

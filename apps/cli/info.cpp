@@ -1,4 +1,4 @@
-// sansmesh info: what is in a file?
+// Command `info`: describes the contents of a file.
 #include "sansmesh/points.h"
 #include "sansmesh/volumes.h"
 
@@ -51,7 +51,7 @@ void run_volume_info(const VolumeInput& input, Console& console) {
   console.say(summary_of(made));
 }
 
-/// `said`: the files were said to be a volume.
+/// `said`: the word `data` marked the files as a volume.
 void run_any_info(const CloudInput& input, VolumeInput volume, bool said, Console& console) {
   if (!said && !are_volumes(input.files) && !volume.read.raw.given()) return run_info(input, console);
   volume.files = input.files;
@@ -62,13 +62,13 @@ void run_any_info(const CloudInput& input, VolumeInput volume, bool said, Consol
 
 Command add_info(CommandLine& app) {
   CommandLine& c = app.add_subcommand("info",
-                                      "File → what is in it: points, box, spacing, noise, normals, faces; grid "
+                                      "File → description: points, box, spacing, noise, normals, faces; grid "
                                       "and arrays of volumes");
   auto input = std::make_shared<CloudInput>();
   auto volume = std::make_shared<VolumeInput>();
   add_cloud_input(
       c, *input,
-      "Points, mesh, function (.smf) or volume, or several of them; `data FILE` takes points for samples of a "
+      "Points, mesh, function (.smf) or volume, or several of them; `data FILE` treats points as samples of a "
       "volume",
       false);
   add_raw_options(c, volume->read);
@@ -80,7 +80,7 @@ Command add_info(CommandLine& app) {
            "  sansmesh info fire.vtu\n"
            "  sansmesh info data samples.csv");
   auto as_one = std::make_shared<bool>(false);
-  c.add_flag("--as-one", *as_one, "Several files (tiles, blocks) are one cloud, or one volume");
+  c.add_flag("--as-one", *as_one, "Read several files (tiles, blocks) as one cloud or volume");
   c.tells({told<ReadCloud>(), told<CloudInfo>(), told<ToldFile>(),
            told_value<std::string>("format", "Format of the file"), told<FunctionInfo>(), told<ReadFiles>(),
            told<VolumeInfo>()});

@@ -10,7 +10,7 @@
 namespace sansmesh::cli {
 namespace {
 
-/// The next character of UTF-8, which is well formed.
+/// Decodes the next character of well-formed UTF-8.
 unsigned code_point(const std::string& text, std::size_t& at) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(text[i]); };
   const unsigned first = byte(at++);
@@ -21,7 +21,7 @@ unsigned code_point(const std::string& text, std::size_t& at) {
   return code;
 }
 
-/// Text of a line that troff sets as it is: dashes that can be searched for, no macro at the beginning.
+/// Escapes a line for troff: searchable dashes, no macro at the beginning.
 std::string roff(const std::string& text) {
   std::string safe;
   for (std::size_t at = 0; at < text.size();) {
@@ -59,7 +59,7 @@ std::string dashed(const CommandLine& command) {
   return name;
 }
 
-/// Lines as they are, without being filled.
+/// Lines without filling.
 std::string verbatim(const std::string& text) { return ".PP\n.nf\n" + roff(text) + "\n.fi\n"; }
 
 std::string option_lines(const OptionEntry& o) {
@@ -107,7 +107,8 @@ std::string manual_page(const CommandLine& command, const std::string& version) 
   std::string examples;
   for (const std::string& example : examples_of(command)) examples += (examples.empty() ? "" : "\n") + example;
   if (!examples.empty()) text += ".SH EXAMPLES\n" + verbatim(examples);
-  text += ".SH EXIT STATUS\n0: done. 1: a file or its data is at fault. 2: the command line is. 130: interrupted.\n";
+  text +=
+      ".SH EXIT STATUS\n0: success. 1: error in a file or its data. 2: error in the command line. 130: interrupted.\n";
   if (command.parent()) text += ".SH SEE ALSO\n\\fB" + roff(dashed(*command.parent())) + "\\fR(1)\n";
   return text;
 }

@@ -1,4 +1,4 @@
-// sansmesh measure: area, volume, centre of mass, moments and size of a solid and of its parts.
+// Command `measure`: area, volume, centre of mass, moments and size of a solid and its parts.
 #include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
@@ -36,11 +36,11 @@ Command add_measure(CommandLine& app) {
   auto input = std::make_shared<CloudInput>();
   c.add_option(
        "input", input->files,
-       "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume (their mesh is measured); several meshes are one body")
+       "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume (measured by their mesh); several meshes are one body")
       .reads(endings_read(kPoints | kFunction))
       .required();
   c.footer(
-      "Volumes need a closed surface. Borders that lie on each other, edge on edge, count as joined. Components are\n"
+      "Volumes need a closed surface. Coincident borders, edge on edge, count as joined. Components are\n"
       "listed with --json, up to a thousand of them.\n\n"
       "Examples:\n"
       "  sansmesh measure part.ply\n"

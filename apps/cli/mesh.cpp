@@ -1,4 +1,4 @@
-// sansmesh mesh: function file in, mesh out.
+// Command `mesh`: meshes a function file.
 #include <fmt/core.h>
 
 #include "cloud_input.h"
@@ -37,7 +37,7 @@ void run_mesh(MeshArguments& a, Console& console) {
   console.say(fmt::format("{}: {}, {}", a.input, counted(fits, "local fit"), counted(function.samples(), "sample")));
   const MeshTopology topology = measure_topology(mesh);
   say_mesh(a.output.file, mesh, topology.components, topology.closed(), console);
-  if (report.simplices > 0) console.say("walked through " + grouped(report.simplices) + " simplices");
+  if (report.simplices > 0) console.say("traversed " + grouped(report.simplices) + " simplices");
   if (a.options.measure_quality) console.say(aspect_words(report));
 }
 

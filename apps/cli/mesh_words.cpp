@@ -12,9 +12,9 @@ namespace {
 void warn_of(const std::string& input, const ReadReport& read, const std::string& output,
              const std::vector<std::string>& lost, Console& console) {
   if (!read.unread.empty())
-    console.warn(input, {fmt::format("not read, there is no place for it: {}", fmt::join(read.unread, ", "))});
-  if (!lost.empty())
-    console.warn(input, {fmt::format("{} has no room for {}: left out", output, fmt::join(lost, ", "))});
+    console.warn(input,
+                 {fmt::format("not read, since meshes and clouds cannot hold it: {}", fmt::join(read.unread, ", "))});
+  if (!lost.empty()) console.warn(input, {fmt::format("{} cannot hold {}: dropped", output, fmt::join(lost, ", "))});
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// sansmesh normals: estimate and orient the normals of a cloud.
+// Command `normals`: estimates and orients the normals of a cloud.
 #include "sansmesh/points.h"
 
 #include <fmt/core.h>

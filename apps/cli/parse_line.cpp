@@ -20,7 +20,7 @@ bool looks_like_an_option(const std::string& word) {
   return word.size() > 1 && word[0] == '-' && !are_numbers(word) && word.find_first_of(" <>=.") != 1;
 }
 
-/// Words that begin like a number are one that was mistyped, unless there is such a file.
+/// A word that starts like a number is a mistyped one, unless it is a file.
 bool begins_like_a_number(const std::string& word) {
   std::error_code ignored;
   return !word.empty() && (std::isdigit(static_cast<unsigned char>(word[0])) || word[0] == '.') && word.size() > 1 &&
@@ -40,13 +40,13 @@ std::vector<std::string> names_of_commands(const CommandLine& line) {
   return names;
 }
 
-/// "'prob' is no command of volume (did you mean probe?)".
+/// "unknown command 'prob' of volume (did you mean probe?)".
 UsageError unknown_command(const CommandLine& at, const std::string& word) {
   std::string hint = did_you_mean(word, names_of_commands(at));
   if (!at.parent()) {
     for (const auto& option : at.options())  // version
       if (option->name() == "--" + word) hint = " (did you mean " + option->name() + "?)";
-    // Those one level down, by their full names.
+    // Commands of groups, by their full names.
     for (const auto& group : at.commands())
       for (const auto& command : group->commands())
         if (hint.empty() && command->name() == word)
@@ -64,7 +64,7 @@ void add_names_of_options(const CommandLine& line, std::vector<std::string>& nam
     if (!option->positional()) names.insert(names.end(), option->names.begin(), option->names.end());
 }
 
-/// Full names of the commands, without "sansmesh", that have this option.
+/// Full names, without "sansmesh", of the commands that have this option.
 void add_commands_with(const std::string& flag, const CommandLine& line, std::vector<std::string>& names) {
   for (const auto& command : line.commands()) {
     if (command->commands().empty() && command->has(flag))
@@ -91,19 +91,20 @@ UsageError unknown_option(const CommandLine& at, const std::string& flag) {
     std::string list;
     for (std::size_t i = 0; i < others.size(); ++i)
       list += (i == 0 ? "" : i + 1 == others.size() ? " and " : ", ") + others[i];
-    hint = at.commands().empty() ? fmt::format(" (it is one of {})", list)
-                                 : fmt::format(" here: options of a command come after it (it is one of {})", list);
+    hint = at.commands().empty()
+               ? fmt::format(" (it is an option of {})", list)
+               : fmt::format(" here: options of a command come after it (it is an option of {})", list);
   }
   return UsageError(at, "unknown option " + printable(flag, 60) + hint);
 }
 
-/// One time that an option was given whose order counts: which of its values are of that time.
+/// One occurrence of an option whose order counts, with its range of values.
 struct Given {
   OptionEntry* option;
   std::size_t first, count;
 };
 
-/// Goes through the words once.
+/// Reads the words in one pass.
 class LineReader {
  public:
   LineReader(CommandLine& root, const std::vector<std::string>& words) : at_(&root), words_(words) {}
@@ -114,7 +115,7 @@ class LineReader {
     bool only_words = false;
     for (; next_ < words_.size(); ++next_) {
       const std::string& word = words_[next_];
-      if (!only_words && (word.starts_with("–") || word.starts_with("—")))  // as texts on paper have them
+      if (!only_words && (word.starts_with("–") || word.starts_with("—")))  // typographic dashes, as in printed text
         throw unknown_option(*at_, word.substr(0, word.find('=')));
       if (!only_words && word == "--")
         only_words = true;
@@ -136,7 +137,7 @@ class LineReader {
 
   const std::vector<Given>& given_in_order() const { return given_; }
 
-  /// That nothing is missing. Wrong values are told of before.
+  /// Checks that nothing is missing. Wrong values are reported earlier.
   void require() const {
     std::string missing;
     for (const auto& option : at_->options())
@@ -148,7 +149,7 @@ class LineReader {
       if (const OptionEntry* other = at_->find(option->excludes);
           other && !option->typed.empty() && !other->typed.empty())
         throw UsageError(*at_, fmt::format("{} and {} exclude each other", option->typed, other->typed));
-    // Seen here and not only by the library, which does not know of values that were given as they are by themselves.
+    // Checked here, since the library cannot distinguish a given default value from a missing one.
     for (const auto& option : at_->options())
       if (const OptionEntry* other = needed_by(*option);
           other && !option->typed.empty() && other->typed.empty() && other->values.empty())
@@ -156,7 +157,7 @@ class LineReader {
   }
 
  private:
-  /// The option without which another one means nothing; null if there is none.
+  /// The option that this one requires; null if there is none.
   const OptionEntry* needed_by(const OptionEntry& option) const {
     if (!option.row || option.row->needs.empty()) return nullptr;
     for (const auto& other : at_->options())
@@ -164,7 +165,7 @@ class LineReader {
     return nullptr;
   }
 
-  /// The command whose help is asked for by one of these options, wherever it stands.
+  /// The command whose help is requested by one of these options, at any position.
   CommandLine* help_wanted(const std::vector<std::string>& options) const {
     const auto end = std::find(words_.begin(), words_.end(), "--");
     if (std::find_first_of(words_.begin(), end, options.begin(), options.end()) == end) return nullptr;
@@ -212,7 +213,7 @@ class LineReader {
     if (option->in_order) given_.push_back({option, before, option->values.size() - before});
   }
 
-  /// Whether the next word may be a value, as far as the command line tells.
+  /// Whether the next word may be a value, judged by the command line alone.
   bool value_follows() const {
     if (next_ + 1 >= words_.size()) return false;
     const std::string& word = words_[next_ + 1];
@@ -238,7 +239,7 @@ class LineReader {
                                                                      o.value_name, printable(words_[next_ + 1], 60))
                                                        : fmt::format("{} needs a value ({})", o.typed, o.value_name));
     const std::string first = attached ? *attached : words_[++next_];
-    if (numbers && !are_numbers(first)) {  // told here, before the next word is taken for something else
+    if (numbers && !are_numbers(first)) {  // reported here, before the next word is misinterpreted
       try {
         parse_real(first);
       } catch (const ValueError& error) {
@@ -252,12 +253,12 @@ class LineReader {
     while (!attached && numbers && taken.size() < most && next_ + 1 < words_.size() && are_numbers(words_[next_ + 1]))
       for (std::string& part : between_commas(words_[++next_])) taken.push_back(std::move(part));
     if (o.numbers > 0 && taken.size() != most)
-      throw UsageError(*at_, fmt::format("{} needs {} numbers with commas between them, not {}", o.typed, most,
+      throw UsageError(*at_, fmt::format("{} needs {} comma-separated numbers, not {}", o.typed, most,
                                          in_quotes(joined_by_commas(taken))));
     o.values.insert(o.values.end(), taken.begin(), taken.end());
   }
 
-  /// Words that are told from their place.
+  /// Assigns the positional words.
   void hand_out_places() {
     std::size_t next = 0;
     OptionEntry* last = nullptr;
@@ -273,7 +274,7 @@ class LineReader {
                                        meant_numbers(places_[next])));
   }
 
-  /// " (did you mean --at 1,2,3?)" where one option of the command takes so many numbers, views of pictures aside.
+  /// " (did you mean --at 1,2,3?)" if one option of the command takes that many numbers, except options of views.
   std::string meant_numbers(const std::string& word) const {
     if (!are_numbers(word)) return "";
     const auto count = 1 + std::count(word.begin(), word.end(), ',');
@@ -286,7 +287,7 @@ class LineReader {
     return hint;
   }
 
-  /// " (did you mean -o x.ply?)" where the last file could be one to write, and is not there.
+  /// " (did you mean -o x.ply?)" if the last word could be an output file and does not exist.
   std::string meant_output() const {
     std::error_code ignored;
     if (places_.size() < 2 || std::filesystem::exists(places_.back(), ignored)) return "";
@@ -331,19 +332,19 @@ void use_in_order(CommandLine& command, const std::vector<Given>& given) {
   }
 }
 
-/// "--depth must lie in 2..14" and what it was.
+/// "--depth must lie in 2..14", with the given value.
 std::string with_value(std::string text, const OptionEntry& option) {
   if (option.kind == OptionEntry::Kind::flag || option.values.empty()) return text;
   const std::string value = joined_by_commas(option.repeated ? std::vector{option.values.back()} : option.values);
   const std::string rest = text.substr(option.typed.size());
   if (!rest.starts_with(" must ") || rest.find(", not ") != std::string::npos || rest.find(value) != std::string::npos)
     return text;
-  // Before a remark in brackets or behind a colon.
+  // Inserted before a remark in brackets or after a colon.
   const std::size_t end = std::min({rest.find(" ("), rest.find(": "), rest.find("; "), rest.size()});
   return text.insert(option.typed.size() + end, ", not " + printable(value, 60));
 }
 
-/// "unknown view 'tpo': front, top or iso", which does not say whose value that is.
+/// Adds the option to a message such as "unknown view 'tpo': front, top or iso".
 std::string of_option(const std::string& message, const OptionEntry& option) {
   const std::string bare = option.name().substr(2) + " '";
   const bool named = message.starts_with(bare);  // plane 'w': must be like …
@@ -374,7 +375,7 @@ const CommandLine& command_of(const CommandLine& root, const std::vector<std::st
   const CommandLine* at = &root;
   for (const std::string& word : words) {
     if (at->commands().empty())
-      throw UsageError(*at, fmt::format("{} has no commands of its own, not {}", at->name(), in_quotes(word)));
+      throw UsageError(*at, fmt::format("{} has no commands, so {} is unknown", at->name(), in_quotes(word)));
     const auto found = std::find_if(at->commands().begin(), at->commands().end(),
                                     [&](const auto& command) { return command->name() == word; });
     if (found == at->commands().end()) throw unknown_command(*at, word);

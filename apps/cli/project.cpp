@@ -1,4 +1,4 @@
-// sansmesh project: points onto the surface of samples; resampling, denoising, consolidation.
+// Command `project`: projects points onto the surface of samples; resamples, denoises and consolidates clouds.
 #include "sansmesh/points.h"
 
 #include <fmt/core.h>
@@ -31,7 +31,7 @@ void run_project(const ProjectArguments& a, Console& console) {
   ReadReport read;
   CloudInput input = a.input, samples_of = a.onto;
   const bool itself = samples_of.files.empty();
-  if (!itself) samples_of.classes = std::exchange(input.classes, {});  // they choose among the samples
+  if (!itself) samples_of.classes = std::exchange(input.classes, {});  // they select samples
   ProjectInput given{.points = input.read(console, read), .name = input.name()};
   const std::size_t count = given.points.size();
   if (ReadReport read_onto; !itself) {
@@ -61,12 +61,12 @@ Command add_project(CommandLine& app) {
   CommandLine& c = app.add_subcommand("project", "Points → points on the surface of samples: denoise, resample");
   auto shared = std::make_shared<ProjectArguments>();
   ProjectArguments& a = *shared;
-  add_cloud_input(c, a.input, "Points to move");  // --class: among the samples of --onto, if given
+  add_cloud_input(c, a.input, "Points to move");  // --class selects among the samples of --onto, if given
   c.add_option("-o,--output", a.output, "Points to write: " + listed_endings(endings_written(kPoints)))
       .writes(endings_written(kPoints))
       .required();
   c.add_option("--onto", a.onto.files,
-               "Samples of the surface; may be repeated (tiles) [the input itself: this denoises]")
+               "Samples of the surface; may be repeated (tiles) [the input itself, which denoises]")
       .reads(endings_read(kPoints))
       .repeated();
   add_ascii_flag(c, a.ascii);

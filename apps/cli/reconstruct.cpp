@@ -1,4 +1,4 @@
-// sansmesh reconstruct: points in, mesh out.
+// Command `reconstruct`: reconstructs a mesh from points.
 #include <fmt/core.h>
 
 #include <string>
@@ -66,7 +66,7 @@ Command add_reconstruct(CommandLine& app) {
   add_mesh_options(c, a.options.mesh);
   add_cloud_options(c, a.options.cloud);
   add_fit_options(c, a.options.fit);
-  add_surface(c, a.options.surface, a.options.cloud, "Cut another surface out, as it stands");
+  add_surface(c, a.options.surface, a.options.cloud, "Mesh this surface instead");
   c.footer(kReadable + surface_list() +
            "\n\nExamples:\n"
            "  sansmesh reconstruct scan.ply -o surface.ply --preview surface.png\n"
@@ -78,7 +78,7 @@ Command add_reconstruct(CommandLine& app) {
   c.tells({told<ReadCloud>("input"), told<CloudScale>(), told<ReconstructReport>()});
   return {&c, [shared](Console& console) {
             if (shared->options.surface.normal == SurfaceOptions::Normal::iterated)
-              throw ArgumentError("--normal iterated is for pictures and points: meshes have no normals but their own");
+              throw ArgumentError("--normal iterated is for pictures and points, not for meshes");
             run_reconstruct(*shared, console);
           }};
 }

@@ -1,4 +1,4 @@
-// sansmesh render: a picture of a mesh, a cloud or a function.
+// Command `render`: draws meshes, clouds and functions.
 #include "sansmesh/pictures.h"
 
 #include <fmt/core.h>
@@ -27,7 +27,7 @@ struct RenderArguments {
   bool as_one = false;
 };
 
-/// An object as it was drawn, and its files.
+/// Drawn object with its files.
 struct ToldObject : ReadFiles {
   DrawnObject object;
 
@@ -38,7 +38,7 @@ constexpr ReportRow kToldObject[] = {reported_base<ReadFiles, ToldObject>(), rep
 constexpr ReportSchema kToldObjectSchema{kToldObject};
 const ReportSchema& ToldObject::schema() { return kToldObjectSchema; }
 
-/// The files of each object.
+/// Files of each object.
 std::vector<CloudInput> inputs_of(const RenderArguments& a, const PictureOptions& options) {
   if (a.as_one || options.surface || options.splats) return {a.input};
   std::vector<CloudInput> inputs(a.input.files.size(), a.input);
@@ -104,8 +104,9 @@ Command add_render(CommandLine& app) {
   CommandLine& c = app.add_subcommand("render", "Mesh, points or function → picture");
   auto shared = std::make_shared<RenderArguments>();
   RenderArguments& a = *shared;
-  c.add_option("input", a.input.files,
-               "Meshes, points or functions (.smf): several are objects of one picture, but with --as-one or --surface")
+  c.add_option(
+       "input", a.input.files,
+       "Meshes, points or functions (.smf): several are separate objects, unless --as-one or --surface is given")
       .reads(endings_read(kPoints | kFunction))
       .required();
   add_class_options(c, a.input);
@@ -118,7 +119,7 @@ Command add_render(CommandLine& app) {
   add_line_options(c, a.picture);
   add_accessibility_options(c, a.picture);
   add_schema(c, a.options, {.group = "Objects", .only = {"color", "opacity", "name", "legend"}});
-  c.add_flag("--as-one", a.as_one, "Several files (tiles) are one object").group("Objects");
+  c.add_flag("--as-one", a.as_one, "Read several files (tiles) as one object").group("Objects");
   add_schema(c, a.options, {.group = "Colours", .only = {"color_by", "color_range", "bar", "unit"}});
   add_schema(
       c, a.options.look,

@@ -1,4 +1,4 @@
-// sansmesh schema: every command with its options, as data for programs.
+// Command `schema`: prints all commands and options as data for programs.
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -18,10 +18,10 @@
 namespace sansmesh::cli {
 namespace {
 
-/// Grows when a key goes or changes its meaning; new ones leave it.
+/// Increases when a key is removed or changes its meaning, not when one is added.
 constexpr int kSchemaVersion = 1;
 
-/// Ends that are infinite are null.
+/// Infinite ends are null.
 Json json_of_range(const OptionRange& range) {
   const auto end = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
   return {{"least", end(range.least)}, {"most", end(range.most)}, {"above", range.above}, {"below", range.below}};
@@ -98,7 +98,7 @@ Json list_of_words(std::string_view words) {
   return list;
 }
 
-/// A method of a registry: its name, what it is, and the options that mean something to it.
+/// A registered method: name, summary, and the options that it uses.
 template <class Method>
 Json json_of_method(const Method& method) {
   return {{"name", method.name},
@@ -176,18 +176,19 @@ Command add_schema_command(CommandLine& app) {
   CommandLine& c = app.add_subcommand("schema", "Every command, option, surface and format as JSON, for programs");
   c.without_common_options();
   c.footer(
-      "Each option has `names`, `kind`, `text`, `group` and `level` (basic or advanced); where they apply `field` (in\n"
-      "errors and bindings), `value`, `unit`, `usual` (its value where it is not given), `from_data`, `range`,\n"
-      "`choices`, `numbers`, `endings`, `written` (of files), `implied`, `excludes`, `step` (done in the order "
+      "Each option has `names`, `kind`, `text`, `group` and `level` (basic or advanced); if applicable also `field` "
+      "(in\n"
+      "errors and bindings), `value`, `unit`, `usual` (its default value), `from_data`, `range`,\n"
+      "`choices`, `numbers`, `endings`, `written` (of files), `implied`, `excludes`, `step` (applied in the order "
       "given),\n"
-      "`old_names` (understood, and warned of), `required` and `repeated`. Ends of a range that are null are "
+      "`old_names` (accepted with a warning), `required` and `repeated`. Ends of a range that are null are "
       "infinite;\n"
-      "those of `above` and `below` are excluded. `report` has the keys of --json: `key` (\"places[].radius\" of a\n"
-      "list), `kind`, `text`, `unit`, `choices`, and `optional` where it may be null. `surfaces` and `volume_methods`\n"
+      "`above` and `below` exclude the ends. `report` has the keys of --json: `key` (\"places[].radius\" in a\n"
+      "list), `kind`, `text`, `unit`, `choices`, and `optional` if it may be null. `surfaces` and `volume_methods`\n"
       "are the methods of --surface and, for volumes, of --method, with the fields that they use; `flow_integrators`\n"
-      "those of --integrator of flows: their `order`, whether their steps follow the tolerance (`adaptive`), and how "
-      "far\n"
-      "a step goes by itself (`reach`, of the diagonal); `body_integrators` those of --integrator of bodies, and "
+      "those of --integrator for flows: their `order`, whether their steps follow the tolerance (`adaptive`), and "
+      "the\n"
+      "default step length (`reach`, share of the diagonal); `body_integrators` those of --integrator for bodies, and "
       "whether\n"
       "their steps solve systems (`implicit`); `formats` the files that are read and written, by ending.\n\n"
       "Examples:\n"

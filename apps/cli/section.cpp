@@ -1,4 +1,4 @@
-// sansmesh section: the curves in which planes cut a surface.
+// Command `section`: cuts a surface with planes.
 #include "sansmesh/inspect.h"
 
 #include <fmt/core.h>
@@ -20,7 +20,7 @@
 namespace sansmesh::cli {
 namespace {
 
-/// More planes than this are summed up in one line.
+/// Number of planes that are printed individually.
 constexpr std::size_t kPrintedPlanes = 30;
 
 struct SectionArguments {
@@ -62,7 +62,7 @@ void run_section(const SectionArguments& a, Console& console) {
 }  // namespace
 
 Command add_section(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("section", "Mesh or function → the curves in which planes cut it");
+  CommandLine& c = app.add_subcommand("section", "Mesh or function → cross-sections by planes");
   auto a = std::make_shared<SectionArguments>();
   c.add_option("input", a->input.files,
                "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume; several meshes are cut as one")
@@ -71,7 +71,7 @@ Command add_section(CommandLine& app) {
   c.add_option("-o,--output", a->output, "Drawing (.svg) or table of vertices (.csv) to write")
       .writes({".svg", ".csv"});
   add_schema(c, a->options);
-  c.add_option("--unit", a->unit, "mm, cm or in: the drawing is true to scale")
+  c.add_option("--unit", a->unit, "Unit that makes the drawing true to scale: mm, cm or in")
       .type_name("UNIT")
       .one_of({"mm", "cm", "in"});
   c.footer(

@@ -1,4 +1,4 @@
-// sansmesh simplify: fewer triangles for the same surface, and how far off these are.
+// Command `simplify`: reduces the number of triangles and reports the distance from the original.
 #include "sansmesh/repair.h"
 
 #include "commands.h"
@@ -31,13 +31,14 @@ void run_simplify(SimplifyArguments& a, Console& console) {
 }  // namespace
 
 Command add_simplify(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("simplify", "Mesh → mesh of fewer triangles, and how far it is off");
+  CommandLine& c =
+      app.add_subcommand("simplify", "Mesh → mesh with fewer triangles, and its distance from the original");
   auto a = std::make_shared<SimplifyArguments>();
   a->input.add_to(c);
   add_mesh_output(c, a->output);
   add_schema(c, a->options);
   c.footer(
-      "Borders, creases and topology stay; colours and attributes of vertices that merge are averaged.\n\n"
+      "Borders, creases and topology are preserved; colours and attributes of merged vertices are averaged.\n\n"
       "Examples:\n"
       "  sansmesh simplify scan.ply -o small.ply --triangles 20000\n"
       "  sansmesh simplify scan.ply -o small.glb --error 0.05\n"

@@ -1,4 +1,4 @@
-// sansmesh smooth: noise taken off a mesh.
+// Command `smooth`: removes noise from a mesh.
 #include "sansmesh/repair.h"
 
 #include "commands.h"
@@ -30,13 +30,13 @@ void run_smooth(SmoothArguments& a, Console& console) {
 }  // namespace
 
 Command add_smooth(CommandLine& app) {
-  CommandLine& c = app.add_subcommand("smooth", "Mesh → mesh without its noise, its volume or its creases kept");
+  CommandLine& c = app.add_subcommand("smooth", "Mesh → mesh without noise, preserving its volume or its creases");
   auto a = std::make_shared<SmoothArguments>();
   a->input.add_to(c);
   add_mesh_output(c, a->output);
   add_schema(c, a->options);
   c.footer(
-      "Vertices move, triangles stay as they are. Reported: how far, and the change of volume.\n\n"
+      "Vertices move, triangles stay the same. The report has distances and the change of volume.\n\n"
       "Examples:\n"
       "  sansmesh smooth scan.ply -o smooth.ply\n"
       "  sansmesh smooth scan.ply -o smoother.ply --shorter-than 2.5\n"

@@ -12,7 +12,7 @@ const ReportSchema& ReadSurface::schema() {
       reported_base<ReadFiles, ReadSurface>(),
       reported<&ReadSurface::kind>({.text = "Kind of the surface: mesh, points, function or isosurface"}),
       reported_beside<&ReadSurface::volume>(),
-      reported<&ReadSurface::value>({.text = "Value of an isosurface", .unit = "unit of the array"})};
+      reported<&ReadSurface::value>({.text = "Isovalue", .unit = "unit of the array"})};
   static constexpr ReportSchema schema{rows};
   return schema;
 }

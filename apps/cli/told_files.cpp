@@ -18,21 +18,21 @@ constexpr ReportRow kReadFiles[] = {
         {.name = "files", .text = "Files, if there are several"})};
 constexpr ReportRow kReadCloud[] = {reported_base<ReadFiles, ReadCloud>(),
                                     reported<&ReadCloud::format>({.text = "Format of the file"}),
-                                    reported<&ReadCloud::points>({.text = "Points or vertices that were read"})};
+                                    reported<&ReadCloud::points>({.text = "Points or vertices of the input"})};
 constexpr ReportRow kReadMesh[] = {reported<&ReadMesh::file>({.text = "File"}),
                                    reported<&ReadMesh::triangles>({.text = "Triangles of the mesh"})};
 constexpr ReportRow kToldFile[] = {reported<&ToldFile::file>({.text = "File"})};
 constexpr ReportRow kWrittenPoints[] = {reported<&WrittenPoints::file>({.text = "File"}),
-                                        reported<&WrittenPoints::points>({.text = "Points that were written"})};
+                                        reported<&WrittenPoints::points>({.text = "Points in the file"})};
 constexpr ReportRow kWrittenMesh[] = {reported<&WrittenMesh::file>({.text = "File"}),
                                       reported<&WrittenMesh::vertices>({.text = "Vertices of the mesh"}),
                                       reported<&WrittenMesh::triangles>({.text = "Triangles of the mesh"}),
                                       reported<[](const WrittenMesh& r) { return r.topology.closed(); }>(
                                           {.name = "closed", .text = "Whether the mesh is closed"}),
                                       reported<[](const WrittenMesh& r) { return r.topology.components; }>(
-                                          {.name = "components", .text = "Connected parts of the mesh"}),
+                                          {.name = "components", .text = "Connected components of the mesh"}),
                                       reported<[](const WrittenMesh& r) { return r.topology.boundary_edges; }>(
-                                          {.name = "boundary_edges", .text = "Edges of one triangle"})};
+                                          {.name = "boundary_edges", .text = "Edges with one triangle"})};
 constexpr ReportRow kWrittenPictures[] = {
     reported<&WrittenPictures::files>({.text = "Pictures"}),
     reported<[](const WrittenPictures& r) { return single(r.files); }>(

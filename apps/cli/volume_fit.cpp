@@ -1,4 +1,4 @@
-// sansmesh volume fit: a volume with its reconstruction, ready for all that comes after.
+// Command `volume fit`: writes a volume with its reconstruction.
 #include "sansmesh/volumes.h"
 
 #include <fmt/format.h>
@@ -52,20 +52,19 @@ void run_volume_fit(const VolumeFitArguments& a, Console& console) {
 
 Command add_volume_fit(CommandLine& volume) {
   CommandLine& c =
-      volume.add_subcommand("fit", "Volume on any grid → fitted volume, which all others start from at once");
+      volume.add_subcommand("fit", "Volume on any grid → fitted volume, a fast input for all other commands");
   auto a = std::make_shared<VolumeFitArguments>();
   add_volume_input(c, a->input);
   c.add_option("-o,--output", a->output, "Fitted volume to write: .smv").writes({".smv"}).required();
   add_schema(c, a->options);
-  c.footer(
-      std::string(kReadableVolumes) +
-      "\n\nThe file holds the samples and the coefficients of the reconstruction: every command takes it in place of "
-      "DATA,\nwithout another fit.\n\nExamples:\n"
-      "  sansmesh volume fit fire.vtu --array t -o fire.smv\n"
-      "  sansmesh volume probe fire.smv --at 0.5,0.5,0.5\n"
-      "  sansmesh info fire.smv");
+  c.footer(std::string(kReadableVolumes) +
+           "\n\nThe file contains the samples and the coefficients of the reconstruction: every command accepts it as "
+           "DATA,\nwithout fitting again.\n\nExamples:\n"
+           "  sansmesh volume fit fire.vtu --array t -o fire.smv\n"
+           "  sansmesh volume probe fire.smv --at 0.5,0.5,0.5\n"
+           "  sansmesh info fire.smv");
   c.tells({told<ReadVolume>("input"), told<FitVolumeReport>(), told<ToldFile>("output"),
-           told_value<std::vector<std::string>>("output.arrays", "Arrays that were written")});
+           told_value<std::vector<std::string>>("output.arrays", "Arrays in the file")});
   return {&c, [a](Console& console) { run_volume_fit(*a, console); }};
 }
 

@@ -71,7 +71,7 @@ void VolumeColors::put_into(VolumePictureOptions& options) const {
 
 void VolumeColors::add_options(CommandLine& c, const char* group) {
   add_schema(c, look, {.group = group, .only = {"preset", "opacity_factor", "iso"}});
-  c.add_option("--transfer", transfer, "Colours and opacities from a file: JSON of ours or a colour map of ParaView")
+  c.add_option("--transfer", transfer, "Read colours and opacities from a file: our JSON or a colour map of ParaView")
       .reads()
       .group(group);
 }

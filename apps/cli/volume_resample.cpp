@@ -1,4 +1,4 @@
-// sansmesh volume resample: a volume on a uniform grid.
+// Command `volume resample`: resamples a volume on a uniform grid.
 #include "sansmesh/volumes.h"
 
 #include <limits>
@@ -22,7 +22,7 @@ struct ResampleArguments {
 void run_resample(const ResampleArguments& a, Console& console) {
   a.options.validate();
   require(!a.options.gradients || a.output.ends_with(".vti"),
-          "--gradients needs a format of several arrays: -o FILE.vti");
+          "--gradients needs a format with several arrays: -o FILE.vti");
   check_volume_writable(a.output);
   VolumeModel volume = a.input.open(console);
   const ResampleResult made = resample(volume, a.options, console.progress());
@@ -48,7 +48,7 @@ Command add_volume_resample(CommandLine& volume) {
   add_schema(c, a->options);
   c.add_flag_callback(
       "--nan", [a] { a->options.outside = std::numeric_limits<double>::quiet_NaN(); },
-      "Values outside of the volume are NaN: --outside nan");
+      "Set values outside the volume to NaN: --outside nan");
   c.footer(std::string(kReadableVolumes) +
            "\n\nExamples:\n"
            "  sansmesh volume resample combustion.vts --array Density --size 256 -o density.vti\n"

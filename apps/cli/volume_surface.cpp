@@ -1,4 +1,4 @@
-// sansmesh volume surface: isosurfaces and surfaces of high gradient straight from the samples of a volume.
+// Command `volume surface`: isosurfaces and surfaces of high gradient directly from the samples of a volume.
 #include "sansmesh/isosurfaces.h"
 #include "sansmesh/volumes.h"
 
@@ -35,12 +35,12 @@ struct VolumeSurfaceArguments {
   bool ascii = false;
 
   bool to_picture() const { return output.size() > 4 && output.ends_with(".png"); }
-  /// Throws what keeps the outputs from being written, and ArgumentError for what does not go together.
+  /// Throws FileError if an output cannot be written, ArgumentError for options that exclude each other.
   void check() const;
 };
 
 void VolumeSurfaceArguments::check() const {
-  require(!output.empty() || !points.empty(), "--output or --points-output is needed");
+  require(!output.empty() || !points.empty(), "--output or --points-output is required");
   require(to_picture() || options_set(look).empty(), "--color-by, --sharp and --frames need a picture");
   require(to_picture() || !picture.any(), "options of the picture need one: -o FILE.png");
   require(!distance || !points.empty(), "--point-spacing needs --points-output");
@@ -112,10 +112,10 @@ Command add_volume_surface(CommandLine& volume) {
   add_volume_input(c, a.input);
   c.add_option("-o,--output", a.output, "Picture (.png) or mesh (.ply, .obj, .stl, …) to write")
       .writes({".png", ".ply", ".obj", ".stl", ".off", ".glb", ".vtp"});
-  c.add_option("--points-output", a.points, "Also or only: points spread evenly over the surface, with normals")
+  c.add_option("--points-output", a.points, "Write evenly spread points of the surface with normals")
       .writes(endings_written(kPoints))
       .once_called("--points");
-  c.add_option("--point-spacing", a.distance, "Distance of these points [the spacing of the samples]")
+  c.add_option("--point-spacing", a.distance, "Distance between these points [the spacing of the samples]")
       .type_name("LENGTH")
       .once_called("--distance");
   add_schema(c, a.options, {.only = {"value", "high_gradient"}});
@@ -124,7 +124,7 @@ Command add_volume_surface(CommandLine& volume) {
   add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   add_schema(c, a.meshing, {.group = "Mesh"});
-  c.add_flag("--ascii", a.ascii, "Write text, not binary").group("Mesh");
+  c.add_flag("--ascii", a.ascii, "Write text instead of binary").group("Mesh");
   c.footer(std::string(kReadableVolumes) +
            "\n\nExamples:\n"
            "  sansmesh volume surface head.mhd --value 1150 -o skull.png\n"
