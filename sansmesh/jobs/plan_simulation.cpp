@@ -167,7 +167,7 @@ const OptionSchema& SimulateOptions::schema() {
   using Integrators = RegistryWords<BodyIntegrator>;
   static const std::string integrators = "Time integrator: " + registry_summaries<BodyIntegrator>();
   static const OptionRow rows[] = {
-      option<&O::model>({.text = "springs: every edge is a spring; elastic: corotational elasticity",
+      option<&O::model>({.text = "Material: every edge a spring (springs), or corotational elasticity (corotational)",
                          .from_data = "springs, unless `young` is given",
                          .choices = kModelWords}),
       option<&O::stiffness>(

@@ -109,16 +109,16 @@ TEST_F(CommandLineTool, ErrorsNameTheOptionAsItWasTyped) {
   expect_line({"mesh", "a.smf", "b.smf", "-o", "x.ply"},
               "'b.smf' is left over: mesh takes one input (see sansmesh help mesh)");
   expect_line({"probe", "a.smf", "--at", "1,2"},
-              "--at needs 3 numbers with commas between them, not '1,2' (see sansmesh help probe)");
+              "--at needs 3 comma-separated numbers, not '1,2' (see sansmesh help probe)");
   expect_line({"probe", "a.smf", "1,2,3"},
               "'1,2,3' is left over: probe takes one input (did you mean --at 1,2,3?) (see sansmesh help probe)");
   expect_line({"probe", "a.smf", "--at", "1mm,2,3"},
-              "--at: '1mm,2,3' is not a number: plain numbers are wanted, in the unit of the input "
+              "--at: '1mm,2,3' is not a number: write plain numbers, in the unit of the input "
               "(see sansmesh help probe)");
   expect_line(reconstruct + Words{"--trim", "5mm"},
-              "--trim: '5mm' is not a number: a plain number is wanted, in the unit of the input" + more);
+              "--trim: '5mm' is not a number: write a plain number, in the unit of the input" + more);
   expect_line(reconstruct + Words{"--width=5px"},
-              "--width: '5px' is not a number: a plain number is wanted, in pixels" + more);
+              "--width: '5px' is not a number: write a plain number, in pixels" + more);
   expect_line(reconstruct + Words{"--triangles", "1,000,000"},
               "--triangles: '1,000,000' is not a number: write 1000000" + more);
   expect_line(reconstruct + Words{"--triangles", "1,00"}, "--triangles: '1,00' is not a number" + more);
@@ -188,7 +188,7 @@ TEST_F(CommandLineTool, SaysWhatMayHaveBeenMeant) {
   expect_line({"mesh", "x.smf", "-o", "x.ply", "--mesh_error", "1"},
               "unknown option --mesh_error (did you mean --mesh-error?) (see sansmesh help mesh)");
   expect_line({"advise", "scan.ply", "--neighbours", "5"},
-              "unknown option --neighbours (it is one of normals and curvature) (see sansmesh help advise)");
+              "unknown option --neighbours (it is an option of normals and curvature) (see sansmesh help advise)");
   expect_line(
       {"reconstruct", "scan.ply", "-o", "x.ply", "--normals", "estimated"},
       "--normals must be one of auto, given, estimate, not 'estimated' (did you mean estimate?) (see sansmesh help "
@@ -319,7 +319,7 @@ TEST_F(CommandLineTool, HelpIsAskedForInEveryWay) {
   EXPECT_NE(all.find(group), std::string::npos) << group;
   expect_line({"help", "volume", "prob"},
               "unknown command 'prob' of volume (did you mean probe?) (see sansmesh help volume)");
-  expect_line({"help", "mesh", "it"}, "mesh has no commands of its own, not 'it' (see sansmesh help mesh)");
+  expect_line({"help", "mesh", "it"}, "mesh has no commands, so 'it' is unknown (see sansmesh help mesh)");
   expect_line({"help", "mesh", "--json"}, "--json means nothing to help (see sansmesh help help)");
   std::istringstream lines(run({"help", "reconstruct"}).out);
   for (std::string line; std::getline(lines, line) && line.find("Reads") != 0;) EXPECT_LE(line.size(), 120u) << line;
@@ -381,10 +381,11 @@ TEST_F(CommandLineTool, OptionsOfTheToolStandAnywhere) {
   const Outcome nested = run({"volume", "--threads=1", "probe", "absent.vti", "--at", "0,0,0"});
   EXPECT_NE(nested.err.find("absent.vti"), std::string::npos) << nested.err;
   expect_line({"--threads", "none", "info", "scan.ply"}, "--threads: 'none' is not a number (see sansmesh help)");
-  expect_line({"--depth", "4", "reconstruct", "scan.ply", "-o", "x.ply"},
-              "unknown option --depth here: options of a command come after it (it is one of reconstruct, render, "
-              "project and others) "
-              "(see sansmesh help)");
+  expect_line(
+      {"--depth", "4", "reconstruct", "scan.ply", "-o", "x.ply"},
+      "unknown option --depth here: options of a command come after it (it is an option of reconstruct, render, "
+      "project and others) "
+      "(see sansmesh help)");
 }
 
 // A command that is new needs its line here.

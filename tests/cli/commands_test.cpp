@@ -120,8 +120,7 @@ TEST_F(Commands, ThePapersFitIsWalkedAndSaysWhatItDid) {
   EXPECT_EQ(json["paper"]["fitted"].get<int>() + json["paper"]["borrowed"].get<int>(), json["fits"].get<int>());
   EXPECT_LT(json["aspect_ratio"]["mean"].get<double>(), 2);
   EXPECT_GT(json["aspect_ratio"]["mean_before"].get<double>(), 2.2);
-  EXPECT_NE(run({"reconstruct", "in.ply", "-o", "out.ply", "--fit", "paper"}).out.find("traversed"),
-            std::string::npos);
+  EXPECT_NE(run({"reconstruct", "in.ply", "-o", "out.ply", "--fit", "paper"}).out.find("traversed"), std::string::npos);
   ASSERT_EQ(run({"fit", "in.ply", "-o", "paper.smf", "--fit", "paper", "--coverage", "0.3,0.5,0.7"}).code, 0);
   ASSERT_EQ(run({"mesh", "paper.smf", "-o", "out.ply"}).code, 0);
   EXPECT_EQ(run({"mesh", "paper.smf", "-o", "few.ply", "--mesher", "blocks", "--triangles", "500"}).code, 0);

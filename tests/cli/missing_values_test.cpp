@@ -123,8 +123,7 @@ TEST_F(MissingValues, FlowsOfVectorsThatNoFloatHoldsAreRefused) {
   write("fast.csv", table);
   const Outcome outcome = run({"flow", "lines", "fast.csv", "--array", "v", "-o", "lines.vtp"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_EQ(lines_with(outcome.err, "fast.csv: v: vectors of up to 1e+300 are too large to trace"), 1u)
-      << outcome.err;
+  EXPECT_EQ(lines_with(outcome.err, "fast.csv: v: vectors of up to 1e+300 are too large to trace"), 1u) << outcome.err;
 }
 
 TEST_F(MissingValues, AnArrayWithoutAFiniteValueIsBlamedItself) {

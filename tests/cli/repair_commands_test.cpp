@@ -198,7 +198,7 @@ TEST_F(RepairCommands, Align) {
   const Json bare = json_of({"align", "here.ply", "there.ply", "-o", "aligned.stl", "--preview", "both.png", "--width",
                              "64", "--height", "48"});
   ASSERT_EQ(bare["warnings"].size(), 1u);
-  EXPECT_NE(bare["warnings"][0].get<std::string>().find("aligned.stl has no room for colours"), std::string::npos)
+  EXPECT_NE(bare["warnings"][0].get<std::string>().find("aligned.stl cannot hold colours"), std::string::npos)
       << bare["warnings"];
   EXPECT_EQ(bare["preview"]["file"], "both.png");
   EXPECT_EQ(slurp(path("both.png")).substr(1, 3), "PNG");
