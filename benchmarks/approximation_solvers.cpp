@@ -1,4 +1,4 @@
-// One local least-squares approximation with polynomials in three variables, solved in five ways on the same
+// Benchmark of five solvers for one local least-squares approximation by trivariate polynomials, on the same
 // neighbourhoods, beside the times of tejada2008, table 6.1.
 //
 //   benchmark_approximation_solvers [NEIGHBOURS=100] [FITS=2000]
@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-// Samples around the origin with weights; the approximation is wanted at the origin.
+// Weighted samples around the origin, where the approximation is evaluated.
 struct Neighbourhood {
   std::array<std::vector<double>, 3> x;
   std::vector<double> f, w;
@@ -168,7 +168,7 @@ int main(int argc, char** argv) {
     for (int degree = 2; degree <= 4; ++degree) {
       for (const Neighbourhood& hood : hoods)
         difference = std::max(difference, std::abs(method.value(hood, degree) - by_qr(hood, degree)));
-      double least = 1e300;  // of five runs
+      double least = 1e300;  // minimum of five runs
       for (int run = 0; run < 5; ++run) {
         volatile double sink = 0;
         const auto start = std::chrono::steady_clock::now();

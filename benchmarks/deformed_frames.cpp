@@ -1,12 +1,11 @@
-// Pictures of a volume while it is deformed: frames a second (METHODS §7.1; thesis 6.4.3 on a graphics card).
+// Benchmark of pictures of a volume during deformation: frames per second (tejada2008, 6.4.3, on a graphics card).
 //
 //   benchmark_deformed_frames VOLUME [SIZE] [NODES] [FRAMES] [PRESET] [STEP]
 //
-// VOLUME is baked once, at its own resolution or, where its longest side has fewer than 256 points, resampled to 256
-// before. Then its upper end leans and turns by 15 handles, rigid, in FRAMES (12) poses. A frame is all that a new pose
-// needs: the map with NODES (64) points along the longest side, its picture with what leaps over the empty parts, and
-// SIZE × SIZE (512) pixels, one ray each, in steps of STEP (3) cells. What steps of half the length would change is
-// told, too, in levels of 0..255.
+// VOLUME is baked once, at its own resolution or, if its longest side has fewer than 256 points, resampled to 256
+// first. Then 15 rigid handles lean and rotate its upper end in FRAMES (12) poses. A frame consists of the map with
+// NODES (64) points along the longest side, the structure for empty-space leaping, and SIZE × SIZE (512) pixels, one
+// ray each, in steps of STEP (3) cells. The effect of half the step is reported in levels of 0..255.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -35,7 +34,7 @@ namespace {
 
 using namespace sansmesh;
 
-/// Eight handles hold the lower half, seven at the upper end turn about its middle as one body.
+/// Eight handles fix the lower half, seven at the upper end rotate about its centre as one body.
 std::vector<Handle> leaning(const Box3& box) {
   constexpr double kAngle = 0.6;
   const Vec3 c = box.center(), s = box.size();
@@ -93,7 +92,7 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
 
   VolumePictureOptions look;
   look.picture.view.width = look.picture.view.height = size;
-  look.picture.quality.samples = 1, look.step = step, look.least_light = 0.02;  // while a handle is held
+  look.picture.quality.samples = 1, look.step = step, look.least_light = 0.02;  // settings of interaction with a handle
   look.picture.view.up = UpAxis::z;
   look.picture.view.direction = {40, 20};
   look.picture.view.steady = true;
@@ -140,7 +139,7 @@ void run(const std::string& file, int size, std::size_t nodes, int frames, const
       VolumePictureReport report;
       image = drawn.render(look, progress, &report);
       const double t3 = process_cpu_seconds();
-      if (k == 0) continue;  // memory that is touched for the first time
+      if (k == 0) continue;  // the first run touches new memory
       map += t1 - t0, picture += t2 - t1, rays += t3 - t2, all += t3 - t0;
       wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
       evaluations += static_cast<double>(report.evaluations);

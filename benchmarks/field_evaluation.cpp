@@ -1,5 +1,5 @@
-// Times evaluations of the adaptive partition of unity: fits it to samples of a bumpy ball and evaluates it at points
-// near the surface and anywhere in the box, with and without gradients.
+// Benchmark of evaluations of the adaptive partition of unity: fits samples of a bumpy ball and evaluates the function
+// near the surface and in the whole box, with and without gradients.
 //
 //   benchmark_field_evaluation [SAMPLES=400000] [EVALUATIONS=1000000] [THREADS=all]
 #include <chrono>
@@ -28,7 +28,7 @@ Vec3 random_direction(std::mt19937_64& random) {
   return normalized(v);
 }
 
-/// A ball of radius 1 with bumps of height 0.1, as a function that is zero on it and negative inside.
+/// A ball of radius 1 with bumps of height 0.1: zero on the surface and negative inside.
 double ball(const Vec3& p) { return norm(p) - 1 - 0.1 * std::sin(6 * p.x) * std::sin(6 * p.y) * std::sin(6 * p.z); }
 
 Vec3 ball_gradient(const Vec3& p) {
@@ -39,7 +39,7 @@ Vec3 ball_gradient(const Vec3& p) {
          (2 * h);
 }
 
-/// The point of the ball's surface in a direction: bisection along the ray.
+/// The surface point in a direction, by bisection along the ray.
 Vec3 on_ball(const Vec3& direction) {
   double inside = 0.5, outside = 1.5;
   for (int i = 0; i < 40; ++i) {

@@ -1,13 +1,13 @@
-// Surfaces and lines of flows: seconds, particles and points; exact and interpolated insertion.
+// Benchmark of flow surfaces and lines: seconds, particles and points; exact and interpolated insertion.
 //
 //   benchmark_flow_surfaces [seconds|reach|drift|lines [VOLUME]]
 //
-// seconds: 256 particles on 256 fronts, of flows by formula and of a lattice of 256 × 128 × 256 samples by linear
-// interpolation, the best of five. reach: the same of that lattice and of 17 such steps in time, which are held in
-// memory (200 MB each), on two threads: surfaces a second, for METHODS §5.2. drift: how far the points of a surface are
-// from where their seeds go. lines: 22³ stream lines of two diagonals, with all that is told along them, of the lattice
-// of a tornado of 128³ samples and of the first vectors of a file (by default the Blunt Fin of ../shared/data, where
-// that is), the best of five.
+// seconds: 256 particles on 256 fronts, in analytic flows and in a lattice of 256 × 128 × 256 samples with linear
+// interpolation, best of five. reach: the same in that lattice and in 17 such time steps held in memory (200 MB each),
+// on two threads: surfaces per second (tejada2008, 5.3). drift: distance of the points of a surface from the exact
+// trajectories of their seeds. lines: 22³ stream lines from two diagonals, with all quantities along them, in a tornado
+// of 128³ samples and in the first vectors of a file (default: the Blunt Fin of ../shared/data, if present), best of
+// five.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -38,7 +38,7 @@ using namespace sansmesh;
 
 constexpr const char* kBluntFin = "../shared/data/volumes/plot3d/bluntfinxyz.bin";
 
-/// A flow by formula at a moment, sampled on a lattice; linear between the samples.
+/// An analytic flow at one moment, sampled on a lattice with linear interpolation.
 std::shared_ptr<const VolumeField> sampled(const VectorField& flow, std::array<std::size_t, 3> dims, double moment) {
   GridData data;
   GridBlock& block = data.blocks.emplace_back();
@@ -161,7 +161,7 @@ void reach() {
     for (const std::string_view integrator : {"dopri5", "euler"}) {
       options.kind = c.kind, options.trace = {};
       options.trace.integrator = integrator;
-      if (integrator == "euler") options.trace.step = 0.01;  // one from front to front
+      if (integrator == "euler") options.trace.step = 0.01;  // one step from front to front
       time_surface(fmt::format("{}, {}", c.name, integrator), *c.field, ground, options);
     }
 }

@@ -1,4 +1,4 @@
-// How long an edit of a fitted function and its new mesh take, against fitting and meshing all of it.
+// Benchmark of edits of a fitted function with an update of its mesh, against fitting and meshing everything.
 //
 //   benchmark_function_edit CLOUD [ROUNDS]
 #include <algorithm>
@@ -57,7 +57,7 @@ void run(const std::string& file, int rounds) {
   print("fit", fit, whole);
   print("mesh", meshing, whole);
 
-  // A ball around a sample that holds about half a percent of the supports.
+  // A ball around a sample with about half a percent of the supports.
   const PartitionData& data = function.field.data();
   const Vec3f middle = data.supports[data.supports.size() / 3].foot;
   std::vector<float> distance;

@@ -1,11 +1,10 @@
-// Times a function file: fitting the function, writing it, reading it again (with and without samples, mapped and
-// gzipped), the first evaluation and the mesh.
+// Benchmark of function files: fitting, writing, reading (with and without samples, mapped and gzipped), the first
+// evaluation and the mesh.
 //
 //   benchmark_function_file [CLOUD] [FOLDER=.] [THREADS=all]
 //
-// CLOUD: any file of points; without one, 400,000 samples of a ball are used. The files written are removed again. The
-// system holds what it has just written in memory: a file that comes from a disk takes as much longer as the disk
-// needs.
+// CLOUD: any file of points; default: 400,000 samples of a ball. The written files are removed. Reading is measured
+// from the system's cache; from a disk, its transfer time is added.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -33,7 +32,7 @@ double seconds_of(const std::function<void()>& work) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The quickest of five: what the work takes, not what else the machine does.
+/// Minimum of five runs, which excludes other load of the machine.
 double best_of(const std::function<void()>& work) {
   double best = seconds_of(work);
   for (int i = 1; i < 5; ++i) best = std::min(best, seconds_of(work));

@@ -1,4 +1,4 @@
-// Times of what is done with a volume once it is read: what benchmarks/volume_reach puts beside VTK's.
+// Benchmark of operations on a volume after reading, for the comparison with VTK in benchmarks/volume_reach.
 //
 //   benchmark_volume_reach frames FILE... ARRAY METHOD   pictures of 512 × 512 pixels, one ray a pixel: direct ones,
 //   the
@@ -46,7 +46,7 @@ Spent timed(const Work& work) {
   return {std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), process_cpu_seconds() - cpu};
 }
 
-/// Resident bytes now, and at the most so far.
+/// Resident bytes, and their maximum so far.
 double resident() {
   std::ifstream statm("/proc/self/statm");
   double pages = 0;
@@ -58,7 +58,7 @@ double peak() {
   getrusage(RUSAGE_SELF, &usage);
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
-/// Lets the peak begin anew.
+/// Resets the maximum.
 void forget_peak() { std::ofstream("/proc/self/clear_refs") << "5"; }
 double peak_since() {
   std::ifstream status("/proc/self/status");
@@ -125,7 +125,7 @@ void frames(Volume& volume) {
   bake.places = volume.samples->positions;
   const Spent baking = timed([&] { baked = std::make_unique<BakedVolume>(*field, bake, volume.progress); });
   VolumePictureOptions quick = options;
-  quick.step = 1.5, quick.least_light = 0.01;  // as --baked has them
+  quick.step = 1.5, quick.least_light = 0.01;  // settings of --baked
   quick.transfer = direct.report.transfer;
   const Frames interactive = run(*baked, quick);
 

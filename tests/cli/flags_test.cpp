@@ -1,4 +1,4 @@
-// The tool speaks of options as its users type them, whatever the library calls them; and it knows all surfaces.
+// Tests of option names in messages: the flags of the command instead of the fields of the library.
 #include <regex>
 #include <sstream>
 
@@ -15,7 +15,7 @@ using Json = nlohmann::json;
 
 class Flags : public ToolTest {
  protected:
-  /// The flags that a command's help knows.
+  /// Flags in a command's help.
   std::vector<std::string> known(const std::string& command) const {
     const std::string help = run({command, "--help-all"}).out;
     const std::regex flag("--[a-z][a-z-]*");
@@ -97,7 +97,7 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
   wrong.push_back({{"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "amls"}, {"--normal", "iterated"}});
   for (const char* typed : {"--sharp", "--no-sheets"})
     wrong.push_back({{"reconstruct", "ball.ply", "-o", "x.ply", "--surface", "partition"}, {typed}});
-  // Options of the fit, of another surface.
+  // Options of the fit with another surface.
   for (const std::vector<std::string>& typed :
        {std::vector<std::string>{"--depth", "5"}, std::vector<std::string>{"--error", "0.1"},
         std::vector<std::string>{"--support", "1.3"}, std::vector<std::string>{"--degree", "2"},
@@ -115,7 +115,7 @@ TEST_F(Flags, ErrorsNameWhatWasTyped) {
     EXPECT_NE(outcome.err.find(flag), std::string::npos) << shown << outcome.err;
     EXPECT_EQ(outcome.err.find('`'), std::string::npos) << shown << outcome.err;
     EXPECT_EQ(outcome.err.find('_'), std::string::npos) << "a name of the library: " << shown << outcome.err;
-    // No flag is named that the command does not have.
+    // Messages name only flags of the command.
     const std::vector<std::string> flags = known(w.command[0]);
     const std::regex any("--[a-z][a-z-]*");
     for (std::sregex_iterator i(outcome.err.begin(), outcome.err.end(), any), end; i != end; ++i)

@@ -1,4 +1,4 @@
-// A job with options of its own, and the command that calls it: points moved along an axis.
+// A job with its options and its command: moves points along an axis.
 #include <memory>
 #include <string>
 #include <string_view>

@@ -1,4 +1,4 @@
-// Jobs around a cloud: what is chosen and told. How good normals and curvatures are is told by tests/points and
+// Tests of jobs on clouds: choices and reports. The accuracy of normals and curvatures is tested in tests/points and
 // tests/surface.
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Flows as jobs: what is opened, chosen, told and refused. How exact lines and surfaces are is told by tests/flow.
+// Tests of flow jobs: opening, choices, notes, errors. The accuracy of lines and surfaces is tested in tests/flow.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -20,7 +20,7 @@ namespace {
 
 FlowModel formula(const char* name) { return {analytic_flow(name), name}; }
 
-/// A lattice of 5³ points about the origin with the vectors of a rotation that is `speed` times as fast, and a scalar.
+/// A lattice of 5³ points about the origin with the vectors of a rotation of the given speed, and a scalar.
 GridData turning(double speed) {
   GridBlock block;
   block.kind = GridKind::lattice;

@@ -1,5 +1,4 @@
-// Jobs around a function: what they report beside it. How right values, edits and suspicions are is told by
-// tests/field and tests/function.
+// Tests of jobs on functions: reports. Values, edits and diagnoses are tested in tests/field and tests/function.
 #include <gtest/gtest.h>
 
 #include <cmath>
