@@ -113,7 +113,7 @@ void ConvertOptions::validate() const {
 void check_converted(const std::string& file, bool as_points) {
   const bool mesh = is_written(file, "mesh"), points = is_written(file, "points");
   if (!mesh && !points && is_read(file))
-    throw FileError(file, "this format is read, not written; .ply, .vtp, .las and .csv hold whatever it does");
+    throw FileError(file, "this format is read, not written; use .ply, .vtp, .las or .csv");
   check_writable(file, mesh && !(as_points && points) ? "mesh" : "points");
 }
 

@@ -198,7 +198,7 @@ Seeds FlowModel::seeds(const std::string& text, std::size_t usual, std::vector<N
 }
 
 Seeds FlowModel::seed_curve(const std::string& text, std::vector<Note>& notes) const {
-  if (text.empty()) throw ArgumentError("`seeds` is needed: a curve such as line(0,0,0, 1,0,0, 100)");
+  if (text.empty()) throw ArgumentError("`seeds` is required: a curve, for example line(0,0,0, 1,0,0, 100)");
   Seeds seeds = this->seeds(text, 0, notes);
   if (!seeds.curve) throw ArgumentError("`seeds` must be a curve: line, circle, curve(FILE) or loop(FILE)");
   try {

@@ -21,7 +21,7 @@ const OptionSchema& TraceSurfaceOptions::schema() {
 }
 
 void TraceSurfaceOptions::validate() const {
-  if (seeds.empty()) throw ArgumentError("`seeds` is needed: a curve such as line(0,0,0, 1,0,0, 100)");
+  if (seeds.empty()) throw ArgumentError("`seeds` is required: a curve, for example line(0,0,0, 1,0,0, 100)");
   surface.validate();
 }
 

@@ -208,9 +208,9 @@ TEST_F(FlowLinesTool, SurfacesAreMeshesOfTheSeedCurve) {
   EXPECT_NEAR(nlohmann::json::parse(outcome.out)["area"].get<double>(), 0.25, 1e-3);
 
   for (const auto& [arguments, why] : std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"rotation"}, "--seeds is needed"},
+           {{"rotation"}, "--seeds is required"},
            {{"rotation", "--seeds", "box(20)"}, "must be a curve"},
-           {{"rotation", "--seeds", "line(5,0,0, 6,0,0, 9)"}, "lies between"},
+           {{"rotation", "--seeds", "line(5,0,0, 6,0,0, 9)"}, "is between"},
            {{"rotation", "--seeds", "line(0,0,0, 1,0,0, 9)", "--alpha", "0.5"}, "--alpha"}}) {
     const Outcome refused = surface(arguments);
     EXPECT_NE(refused.code, 0);

@@ -103,7 +103,7 @@ TEST_F(VolumeSurfaceTool, SaysWhatIsWrongInOneLine) {
     EXPECT_NE(outcome.code, 0);
     EXPECT_NE(outcome.err.find(why), std::string::npos) << outcome.err;
   };
-  refused({"--value", "0.5"}, "--output or --points-output is needed");
+  refused({"--value", "0.5"}, "--output or --points-output is required");
   refused({"--value", "7", "-o", path("a.ply")}, "values lie between");
   refused({"--value", "0.5", "--high-gradient", "-o", path("a.ply")}, "exclude each other");
   refused({"--value", "0.5", "--array", "nothing", "-o", path("a.ply")}, "nothing");
