@@ -76,8 +76,7 @@ const ReportSchema& ToldCommand::schema() {
   static constexpr ReportRow rows[] = {reported<&ToldCommand::aim>({.text = "Purpose"}),
                                        reported<&ToldCommand::why>({.text = "Reason"}),
                                        reported<&ToldCommand::command>({.text = "Command"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 std::string shell_words(const std::vector<std::string>& names) {

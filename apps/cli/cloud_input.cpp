@@ -31,8 +31,7 @@ const ReportSchema& CloudScale::schema() {
   static constexpr ReportRow rows[] = {
       reported<&CloudScale::spacing>({.text = "Spacing of the points", .unit = "length"}),
       reported_beside<&CloudScale::noise>()};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 std::string CloudInput::name() const {

@@ -21,8 +21,7 @@ ReadFlow FlowInput::told(const FlowModel& opened, Progress& progress) const {
 const ReportSchema& ReadFlow::schema() {
   static constexpr ReportRow rows[] = {reported_base<ReadFiles, ReadFlow>(), reported_beside<&ReadFlow::volume>(),
                                        reported<&ReadFlow::vectors>({.text = "Array of vectors, or the formula"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 void add_flow_input(CommandLine& c, FlowInput& input) {

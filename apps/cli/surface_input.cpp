@@ -13,8 +13,7 @@ const ReportSchema& ReadSurface::schema() {
       reported<&ReadSurface::kind>({.text = "Kind of the surface: mesh, points, function or isosurface"}),
       reported_beside<&ReadSurface::volume>(),
       reported<&ReadSurface::value>({.text = "Isovalue", .unit = "unit of the array"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 SurfaceInput open_surface(const CloudInput& input, Console& console) {

@@ -11,8 +11,7 @@ namespace sansmesh::cli {
 
 const ReportSchema& ReadVolume::schema() {
   static constexpr ReportRow rows[] = {reported_base<ReadFiles, ReadVolume>(), reported_beside<&ReadVolume::use>()};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 VolumeModel VolumeInput::open(Console& console) const {

@@ -37,10 +37,10 @@ class SANSMESH_API FileError : public Error {
 
 /// One option with a value that is not allowed.
 struct ArgumentFault {
-  std::string field;    ///< name of the option
-  std::string value;    ///< that was given, as text
-  std::string allowed;  ///< "from 1 to 10", "one of compact, gaussian"
-  std::string remedy;   ///< what to do; empty if `allowed` says it
+  std::string field;        ///< name of the option
+  std::string value;        ///< that was given, as text
+  std::string allowed;      ///< "from 1 to 10", "one of compact, gaussian"
+  std::string remedy = {};  ///< what to do; empty if `allowed` says it
 };
 
 /// An argument or option out of range. Options are named by their fields, between grave accents: `enhance = false`.

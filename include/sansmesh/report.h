@@ -62,6 +62,13 @@ struct ReportSchema {
   std::span<const ReportRow> rows;  ///< in the order in which they are told; they live as long as the program
 };
 
+/// Schema of rows with static storage: `static constexpr ReportRow rows[] = {…}; return report_schema<rows>();`.
+template <const auto& rows>
+const ReportSchema& report_schema() {
+  static constexpr ReportSchema schema{rows};
+  return schema;
+}
+
 /// Called for a part of a report: a struct with a schema.
 using UsePart = std::function<void(const void* part)>;
 

@@ -71,18 +71,12 @@ AlignResult align(const AnySurface& moving, const AnySurface& fixed, const Surfa
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kAlignResultRows[] = {
-    reported<&AlignResult::report>({.name = "alignment", .text = "Motion and quality of the fit"}),
-    reported<[](const AlignResult& r) { return r.motion.rows(); }>(
-        {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
-
-}  // namespace
-
 const ReportSchema& AlignResult::schema() {
-  static constexpr ReportSchema schema{kAlignResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&AlignResult::report>({.name = "alignment", .text = "Motion and quality of the fit"}),
+      reported<[](const AlignResult& r) { return r.motion.rows(); }>(
+          {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
+  return report_schema<rows>();
 }
 
 std::vector<std::string> summary_of(const SurfaceAlignment& r) {

@@ -32,8 +32,7 @@ std::size_t samples_for(const AssessOptions& options, const TriangleMesh& mesh, 
   if (!(ratio > kOtherUnit) || !std::isfinite(ratio)) return options.samples.value_or(kSamples);
   notes.push_back({.code = "other_unit",
                    .text = fmt::format("{:.4g} times as {} as the reference: are both in the same unit?", ratio,
-                                       larger ? "large" : "small"),
-                   .remedy = {}});
+                                       larger ? "large" : "small")});
   return options.samples.value_or(kSamplesOfOthers);
 }
 
@@ -43,8 +42,7 @@ const OptionSchema& AssessOptions::schema() {
   using O = AssessOptions;
   static constexpr OptionRow rows[] = {
       option<&O::samples>({.text = "Samples on each mesh", .from_data = "300000", .range = {1, 2'000'000'000}})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void AssessOptions::validate() const { validate_options(*this); }
@@ -77,30 +75,25 @@ AssessResult assess(const TriangleMesh& mesh, PointSet points, const AssessOptio
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kAssessReportRows[] = {
-    reported<[](const AssessReport& r) { return told_if(!r.topology, r.vertices); }>(
-        {.name = "surface.points", .text = "Points, if there are no triangles"}),
-    reported<&AssessReport::topology>({.text = "Connectivity of the triangles"}),
-    reported<&AssessReport::quality>({.text = "Shape quality of the triangles"}),
-    reported<[](const AssessReport& r) {
-      return told_if(r.topology && r.topology->encloses(), r.quality ? r.quality->volume : 0);
-    }>({.name = "quality.volume", .text = "Volume, if the mesh is closed", .unit = "length³"}),
-    reported<[](const AssessReport& r) { return r.distance ? std::optional(r.distance->to_reference) : std::nullopt; }>(
-        {.name = "to_reference", .text = "Distances to the reference: accuracy"}),
-    reported<[](const AssessReport& r) {
-      return r.distance ? std::optional(r.distance->from_reference) : std::nullopt;
-    }>({.name = "from_reference", .text = "Distances from the reference: completeness"}),
-    reported<[](const AssessReport& r) { return r.distance ? std::optional(r.distance->diagonal) : std::nullopt; }>(
-        {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
-    reported<&AssessReport::coverage>({.text = "Samples without a surface, and surface without samples"})};
-
-}  // namespace
-
 const ReportSchema& AssessReport::schema() {
-  static constexpr ReportSchema schema{kAssessReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const AssessReport& r) { return told_if(!r.topology, r.vertices); }>(
+          {.name = "surface.points", .text = "Points, if there are no triangles"}),
+      reported<&AssessReport::topology>({.text = "Connectivity of the triangles"}),
+      reported<&AssessReport::quality>({.text = "Shape quality of the triangles"}),
+      reported<[](const AssessReport& r) {
+        return told_if(r.topology && r.topology->encloses(), r.quality ? r.quality->volume : 0);
+      }>({.name = "quality.volume", .text = "Volume, if the mesh is closed", .unit = "length³"}),
+      reported<[](const AssessReport& r) {
+        return r.distance ? std::optional(r.distance->to_reference) : std::nullopt;
+      }>({.name = "to_reference", .text = "Distances to the reference: accuracy"}),
+      reported<[](const AssessReport& r) {
+        return r.distance ? std::optional(r.distance->from_reference) : std::nullopt;
+      }>({.name = "from_reference", .text = "Distances from the reference: completeness"}),
+      reported<[](const AssessReport& r) { return r.distance ? std::optional(r.distance->diagonal) : std::nullopt; }>(
+          {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
+      reported<&AssessReport::coverage>({.text = "Samples without a surface, and surface without samples"})};
+  return report_schema<rows>();
 }
 
 namespace {

@@ -40,7 +40,6 @@ void refine(TriangleMesh& mesh, const std::string& name, const std::optional<dou
       notes.push_back(
           {.code = "edges_stay_long",
            .text = fmt::format("edges stay longer than {}: more than 20 million triangles", length_words(*edge)),
-           .remedy = {},
            .of = name});
   } else if (is_coarse(mesh, diagonal)) {
     notes.push_back({.code = "coarse",
@@ -63,8 +62,7 @@ const OptionSchema& CompareOptions::schema() {
           {.text = "First halve edges of the mapped mesh until none is longer", .unit = "length", .range = positive()}),
       option<&O::align>({.text = "First move the part onto the reference"}),
       option_group<&O::alignment>(SurfaceAlignmentOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void CompareOptions::validate() const {
@@ -108,40 +106,27 @@ CompareResult compare(const AnySurface& part, const AnySurface& reference, const
   if (!result.map.has_sides)
     result.notes.push_back({.code = "no_sign",
                             .text = "distances have no sign: " + other.name() + " is points without normals",
-                            .remedy = {},
                             .of = mapped.name()});
   apply_map(result.mesh, result.map, result.map.statistics.range);
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kCompareReportRows[] = {
-    reported<&CompareReport::on>({.text = "Side that carries the map", .choices = kSideWords}),
-    reported<&CompareReport::within>({.text = "Requested tolerance", .unit = "length"}),
-    reported<&CompareReport::diagonal>(
-        {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
-    reported<&CompareReport::alignment>({.text = "Alignment of the part"}),
-    reported<[](const CompareReport& r) { return told_if(r.alignment.has_value(), r.motion.rows()); }>(
-        {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
-
-}  // namespace
-
 const ReportSchema& CompareReport::schema() {
-  static constexpr ReportSchema schema{kCompareReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&CompareReport::on>({.text = "Side that carries the map", .choices = kSideWords}),
+      reported<&CompareReport::within>({.text = "Requested tolerance", .unit = "length"}),
+      reported<&CompareReport::diagonal>(
+          {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
+      reported<&CompareReport::alignment>({.text = "Alignment of the part"}),
+      reported<[](const CompareReport& r) { return told_if(r.alignment.has_value(), r.motion.rows()); }>(
+          {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
+  return report_schema<rows>();
 }
 
-namespace {
-
-constexpr ReportRow kCompareResultRows[] = {reported_beside<&CompareResult::map>(),
-                                            reported_beside<&CompareResult::report>()};
-
-}  // namespace
-
 const ReportSchema& CompareResult::schema() {
-  static constexpr ReportSchema schema{kCompareResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {reported_beside<&CompareResult::map>(),
+                                       reported_beside<&CompareResult::report>()};
+  return report_schema<rows>();
 }
 
 namespace {

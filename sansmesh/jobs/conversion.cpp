@@ -90,8 +90,7 @@ const OptionSchema& ConvertOptions::schema() {
       option<&O::unit>(
           {.text = "Unit of the input's lengths, for `to_unit`: um, mm, cm, m, km, in, ft or us-ft", .unit = "unit"}),
       option_steps<&O::steps>(convert_step_rows())};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void ConvertOptions::validate() const {
@@ -123,7 +122,6 @@ std::vector<Note> fit_to_format(CloudOrMesh& data, const std::string& file) {
     notes.push_back(
         {.code = "no_faces",
          .text = fmt::format("holds points only: {} left out", counted(data.mesh.triangles.size(), "triangle")),
-         .remedy = {},
          .of = file});
     data.make_points();
   }
@@ -172,51 +170,37 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
     result.notes.push_back(
         {.code = "nonmanifold_weld",
          .text = fmt::format("`weld` made {} with three or more triangles: the mesh is not manifold there",
-                             counted(data.nonmanifold_edges_of_weld, "edge")),
-         .remedy = {}});
+                             counted(data.nonmanifold_edges_of_weld, "edge"))});
   if (!data.unturned.empty())
     result.notes.push_back({.code = "unturned",
                             .text = fmt::format("attributes of three numbers are not rotated: {}",
-                                                printable(fmt::format("{}", fmt::join(data.unturned, ", ")))),
-                            .remedy = {}});
+                                                printable(fmt::format("{}", fmt::join(data.unturned, ", "))))});
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kConvertedByRows[] = {
-    reported<[](const ConvertedBy& r) { return std::string(r.step); }>({.name = "step", .text = "Step"}),
-    reported<[](const ConvertedBy& r) { return told_if(!r.triangles, r.size); }>(
-        {.name = "points", .text = "Points after it"}),
-    reported<[](const ConvertedBy& r) { return told_if(r.triangles.has_value(), r.size); }>(
-        {.name = "vertices", .text = "Vertices after it"}),
-    reported<&ConvertedBy::triangles>({.text = "Triangles after it"}),
-    reported<[](const ConvertedBy& r) { return told_if(!r.remark.empty(), r.remark); }>(
-        {.name = "remark", .text = "Effect on the data, as text"})};
-
-}  // namespace
-
 const ReportSchema& ConvertedBy::schema() {
-  static constexpr ReportSchema schema{kConvertedByRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const ConvertedBy& r) { return std::string(r.step); }>({.name = "step", .text = "Step"}),
+      reported<[](const ConvertedBy& r) { return told_if(!r.triangles, r.size); }>(
+          {.name = "points", .text = "Points after it"}),
+      reported<[](const ConvertedBy& r) { return told_if(r.triangles.has_value(), r.size); }>(
+          {.name = "vertices", .text = "Vertices after it"}),
+      reported<&ConvertedBy::triangles>({.text = "Triangles after it"}),
+      reported<[](const ConvertedBy& r) { return told_if(!r.remark.empty(), r.remark); }>(
+          {.name = "remark", .text = "Effect on the data, as text"})};
+  return report_schema<rows>();
 }
 
-namespace {
-
-constexpr ReportRow kConvertReportRows[] = {
-    reported<[](const ConvertReport& r) { return told_if(r.triangles == 0, r.size); }>(
-        {.name = "input.points", .text = "Points of the input"}),
-    reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.size); }>(
-        {.name = "input.vertices", .text = "Vertices of the input"}),
-    reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.triangles); }>(
-        {.name = "input.triangles", .text = "Triangles of the input"}),
-    reported<&ConvertReport::steps>({.text = "Steps in order"})};
-
-}  // namespace
-
 const ReportSchema& ConvertReport::schema() {
-  static constexpr ReportSchema schema{kConvertReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const ConvertReport& r) { return told_if(r.triangles == 0, r.size); }>(
+          {.name = "input.points", .text = "Points of the input"}),
+      reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.size); }>(
+          {.name = "input.vertices", .text = "Vertices of the input"}),
+      reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.triangles); }>(
+          {.name = "input.triangles", .text = "Triangles of the input"}),
+      reported<&ConvertReport::steps>({.text = "Steps in order"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

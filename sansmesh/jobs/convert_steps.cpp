@@ -43,8 +43,7 @@ constexpr std::string_view kUpAxes[] = {"y", "z"};
 ArgumentError not_axes(std::string_view text) {
   return ArgumentError(ArgumentFault{.field = "axes",
                                      .value = "'" + printable(text, 60) + "'",
-                                     .allowed = "x, y and z in some order, each with or without '-': x,-z,y",
-                                     .remedy = {}});
+                                     .allowed = "x, y and z in some order, each with or without '-': x,-z,y"});
 }
 
 void validate_fields(const OptionSchema& schema, void* step) {
@@ -110,8 +109,8 @@ double meters_of_unit(std::string_view name) {
     if (name == u.name) return u.meters;
     known += (known.empty() ? "" : ", ") + std::string(u.name);
   }
-  throw ArgumentError(ArgumentFault{
-      .field = "unit", .value = "'" + printable(name, 60) + "'", .allowed = "one of " + known, .remedy = {}});
+  throw ArgumentError(
+      ArgumentFault{.field = "unit", .value = "'" + printable(name, 60) + "'", .allowed = "one of " + known});
 }
 
 std::string_view step_name(const ConvertStep& step) {
@@ -145,22 +144,19 @@ const OptionSchema& AboutStep::schema() {
   static constexpr OptionRow rows[] = {
       option<&O::place>({.text = "Fixed point", .unit = "length", .from_data = "0,0,0"}),
       option<&O::center>({.text = "The centre of the bounding box is fixed", .excludes = "place"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& TransformStep::schema() {
   using O = TransformStep;
   static constexpr OptionRow rows[] = {option<&O::map>({.text = "3 rows of 4 numbers", .name = "matrix"}),
                                        option<&O::inverse>({.text = "Apply the inverse"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& TranslateStep::schema() {
   static constexpr OptionRow rows[] = {option<&TranslateStep::by>({.text = "Translation", .unit = "length"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& CenterStep::schema() {
@@ -174,8 +170,7 @@ const OptionSchema& RotateStep::schema() {
       option<&O::axis>({.text = "Axis"}), option<&O::degrees>({.text = "Angle", .unit = "degrees"}),
       option<&O::about>({.text = "Fixed point", .unit = "length", .from_data = "0,0,0"}),
       option<&O::about_center>({.text = "The centre of the bounding box is fixed", .excludes = "about"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& ScaleStep::schema() {
@@ -184,21 +179,18 @@ const OptionSchema& ScaleStep::schema() {
       option<&O::factors>({.text = "One factor per axis, none of them 0"}),
       option<&O::about>({.text = "Fixed point", .unit = "length", .from_data = "0,0,0"}),
       option<&O::about_center>({.text = "The centre of the bounding box is fixed", .excludes = "about"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& AxesStep::schema() {
   static constexpr OptionRow rows[] = {
       option<&AxesStep::axes>({.text = "Axes that become the new x, y and z: x,-z,y"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& UpStep::schema() {
   static constexpr OptionRow rows[] = {option<&UpStep::to>({.text = "Axis that points up", .choices = kUpAxes})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& UnitStep::schema() {
@@ -206,67 +198,58 @@ const OptionSchema& UnitStep::schema() {
   static constexpr OptionRow rows[] = {
       option<&O::from>({.text = "Unit of lengths before", .from_data = "that of the input"}),
       option<&O::to>({.text = "Unit of lengths after"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& CropStep::schema() {
   using O = CropStep;
   static constexpr OptionRow rows[] = {option<&O::box>({.text = "Least and largest coordinates", .unit = "length"}),
                                        option<&O::inside>({.text = "Keep the inside; otherwise the outside"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& SpacingStep::schema() {
   static constexpr OptionRow rows[] = {
       option<&SpacingStep::distance>({.text = "Least distance", .unit = "length", .range = positive()})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& CountStep::schema() {
   static constexpr OptionRow rows[] = {option<&CountStep::count>({.text = "Number of points to keep", .range = kSome})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& EveryStep::schema() {
   static constexpr OptionRow rows[] = {
       option<&EveryStep::every>({.text = "Keep one of this many points", .range = kSome})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& ChooseStep::schema() {
   using O = ChooseStep;
   static constexpr OptionRow rows[] = {option<&O::names>({.text = "normals, colors and names of attributes"}),
                                        option<&O::keep>({.text = "Keep only these; otherwise drop them"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& WeldStep::schema() {
   static constexpr OptionRow rows[] = {
       option<&WeldStep::distance>({.text = "Largest distance", .unit = "length", .range = at_least(0)})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 const OptionSchema& FlipStep::schema() {
   using O = FlipStep;
   static constexpr OptionRow rows[] = {option<&O::faces>({.text = "Reverse faces"}),
                                        option<&O::normals>({.text = "Reverse normals"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 namespace {
 
 /// Error in the text of a step; set_option adds the name of the step.
 ArgumentError step_must_be(const std::string& allowed, const std::string& text) {
-  return ArgumentError(
-      ArgumentFault{.field = {}, .value = "'" + printable(text, 60) + "'", .allowed = allowed, .remedy = {}});
+  return ArgumentError(ArgumentFault{.field = {}, .value = "'" + printable(text, 60) + "'", .allowed = allowed});
 }
 
 const std::string& text_in(const OptionValue& value) { return std::get<std::string>(value); }

@@ -136,8 +136,7 @@ const OptionSchema& CurvatureMapOptions::schema() {
                                .range = positive()}),
       option_group<&O::estimation>(CurvatureOptions::schema().rows), option<&O::bar>({.text = "Omit the colour bar"}),
       option<&O::unit>({.text = "Unit of lengths at the colour bar", .unit = "unit"})};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void CurvatureMapOptions::validate() const {
@@ -185,27 +184,21 @@ std::vector<std::string> summary_of(const CurvatureResult& made) {
   return lines;
 }
 
-namespace {
-
-constexpr ReportRow kCurvatureReportRows[] = {
-    reported<&CurvatureReport::noise>({.text = "Noise of the samples", .unit = "length"}),
-    reported<&CurvatureReport::undefined>({.text = "Samples with too few neighbours, set to zero"}),
-    reported<&CurvatureReport::color_by>({.text = "Quantity shown by colours", .choices = kCurvatureWords}),
-    reported<&CurvatureReport::q05>(
-        {.name = "quantiles.q05", .text = "5 % of its values are below", .unit = "1/length, of gaussian 1/length²"}),
-    reported<&CurvatureReport::median>({.name = "quantiles.median",
-                                        .text = "Half of its values are below",
-                                        .unit = "1/length, of gaussian 1/length²"}),
-    reported<&CurvatureReport::q95>(
-        {.name = "quantiles.q95", .text = "95 % of its values are below", .unit = "1/length, of gaussian 1/length²"}),
-    reported<&CurvatureReport::color_range>(
-        {.text = "Value with the full colour", .unit = "1/length, of gaussian 1/length²"})};
-
-}  // namespace
-
 const ReportSchema& CurvatureReport::schema() {
-  static constexpr ReportSchema schema{kCurvatureReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&CurvatureReport::noise>({.text = "Noise of the samples", .unit = "length"}),
+      reported<&CurvatureReport::undefined>({.text = "Samples with too few neighbours, set to zero"}),
+      reported<&CurvatureReport::color_by>({.text = "Quantity shown by colours", .choices = kCurvatureWords}),
+      reported<&CurvatureReport::q05>(
+          {.name = "quantiles.q05", .text = "5 % of its values are below", .unit = "1/length, of gaussian 1/length²"}),
+      reported<&CurvatureReport::median>({.name = "quantiles.median",
+                                          .text = "Half of its values are below",
+                                          .unit = "1/length, of gaussian 1/length²"}),
+      reported<&CurvatureReport::q95>(
+          {.name = "quantiles.q95", .text = "95 % of its values are below", .unit = "1/length, of gaussian 1/length²"}),
+      reported<&CurvatureReport::color_range>(
+          {.text = "Value with the full colour", .unit = "1/length, of gaussian 1/length²"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

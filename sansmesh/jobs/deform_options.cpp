@@ -50,8 +50,7 @@ const OptionSchema& DeformOptions::schema() {
       option<&O::draw_handles>(
           {.text = "In pictures: draw handles as balls, blue before, red after, with their paths"}),
       option<&O::draw_folds>({.text = "In pictures: draw folds of space in red"})};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void DeformOptions::validate(DeformAim aim) const {

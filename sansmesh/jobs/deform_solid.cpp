@@ -142,7 +142,7 @@ class SolidPoses {
   void note_once(const char* code, const std::string& text) {
     std::vector<Note>& notes = result_.notes;
     if (std::none_of(notes.begin(), notes.end(), [&](const Note& n) { return n.text == text; }))
-      notes.push_back({.code = code, .text = text, .remedy = {}, .of = solid_.expression()});
+      notes.push_back({.code = code, .text = text, .of = solid_.expression()});
   }
 
   DeformedPose of_open(const DeformationMaps& maps, double share) {

@@ -30,8 +30,7 @@ const OptionSchema& DeformationMapOptions::schema() {
            .range = {2, 1024},
            .name = "displacement_map"}),
       option<&O::box>({.text = "Box of the map", .from_data = "that of the deformed object"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 DeformationMapResult deformation_map(const Deformation& deformation, const Box3& before, const std::string& name,
@@ -74,38 +73,6 @@ void write_pose(const std::string& file, const DeformedPose& pose, bool ascii, c
 
 namespace {
 
-constexpr ReportRow kDeformReportRows[] = {
-    reported_beside<&DeformReport::folds>(),
-    reported<[](const DeformReport& r) { return told_if(r.vertices > 0, r.vertices); }>(
-        {.name = "vertices", .text = "Vertices or points"}),
-    reported<[](const DeformReport& r) { return told_if(r.vertices > 0, r.triangles); }>(
-        {.name = "triangles", .text = "Triangles"}),
-    reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.added); }>(
-        {.name = "added", .text = "Triangles added at edges that bend"}),
-    reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.turned); }>(
-        {.name = "turned", .text = "Vertices where the map reverses orientation"}),
-    reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.undefined); }>(
-        {.name = "undefined", .text = "Vertices that do not move, since the map is not defined there"}),
-    reported<&DeformReport::cut>({.text = "Opening of a mesh along cuts"}),
-    reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->components) : std::nullopt; }>(
-        {.name = "components", .text = "Connected components of a solid"}),
-    reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->closed) : std::nullopt; }>(
-        {.name = "closed", .text = "Whether the mesh of a solid is closed"}),
-    reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->cell) : std::nullopt; }>(
-        {.name = "cell", .text = "Edge of the smallest blocks of a solid", .unit = "length"}),
-    reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->area) : std::nullopt; }>(
-        {.name = "area", .text = "Area of a solid", .unit = "length²"}),
-    reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->volume) : std::nullopt; }>(
-        {.name = "volume", .text = "Volume of a solid", .unit = "length³"}),
-    reported<&DeformReport::sections>({.text = "Sections"}),
-    reported<[](const DeformReport& r) { return told_if(r.size[0] > 0, r.size); }>(
-        {.name = "size", .text = "Lattice points of a volume along the axes"}),
-    reported<&DeformReport::inside>({.text = "Share of these inside the volume", .unit = "share"}),
-    reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.rays); }>(
-        {.name = "rays", .text = "Rays of pictures of volumes"}),
-    reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.evaluations); }>(
-        {.name = "evaluations", .text = "Evaluations along these rays"})};
-
 std::string size_line(const DeformReport& r) {
   if (r.inside) return lattice_words(r.size, *r.inside);
   return fmt::format("{} × {} × {} displacements", r.size[0], r.size[1], r.size[2]);
@@ -140,13 +107,42 @@ std::vector<std::string> summary_of(const DeformReport& r) {
 
 const ReportSchema& DeformableVolume::schema() {
   static constexpr ReportRow rows[] = {reported<&DeformableVolume::arrays>({.text = "Arrays"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 const ReportSchema& DeformReport::schema() {
-  static constexpr ReportSchema schema{kDeformReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported_beside<&DeformReport::folds>(),
+      reported<[](const DeformReport& r) { return told_if(r.vertices > 0, r.vertices); }>(
+          {.name = "vertices", .text = "Vertices or points"}),
+      reported<[](const DeformReport& r) { return told_if(r.vertices > 0, r.triangles); }>(
+          {.name = "triangles", .text = "Triangles"}),
+      reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.added); }>(
+          {.name = "added", .text = "Triangles added at edges that bend"}),
+      reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.turned); }>(
+          {.name = "turned", .text = "Vertices where the map reverses orientation"}),
+      reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.undefined); }>(
+          {.name = "undefined", .text = "Vertices that do not move, since the map is not defined there"}),
+      reported<&DeformReport::cut>({.text = "Opening of a mesh along cuts"}),
+      reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->components) : std::nullopt; }>(
+          {.name = "components", .text = "Connected components of a solid"}),
+      reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->closed) : std::nullopt; }>(
+          {.name = "closed", .text = "Whether the mesh of a solid is closed"}),
+      reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->cell) : std::nullopt; }>(
+          {.name = "cell", .text = "Edge of the smallest blocks of a solid", .unit = "length"}),
+      reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->area) : std::nullopt; }>(
+          {.name = "area", .text = "Area of a solid", .unit = "length²"}),
+      reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->volume) : std::nullopt; }>(
+          {.name = "volume", .text = "Volume of a solid", .unit = "length³"}),
+      reported<&DeformReport::sections>({.text = "Sections"}),
+      reported<[](const DeformReport& r) { return told_if(r.size[0] > 0, r.size); }>(
+          {.name = "size", .text = "Lattice points of a volume along the axes"}),
+      reported<&DeformReport::inside>({.text = "Share of these inside the volume", .unit = "share"}),
+      reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.rays); }>(
+          {.name = "rays", .text = "Rays of pictures of volumes"}),
+      reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.evaluations); }>(
+          {.name = "evaluations", .text = "Evaluations along these rays"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -113,30 +113,25 @@ std::vector<Image> draw_places(const DiagnoseResult& made, RenderOptions options
   return pictures;
 }
 
-namespace {
-
-constexpr ReportRow kListedPlaceRows[] = {
-    reported<&ListedPlace::number>({.text = "Number in the list"}),
-    reported<[](const ListedPlace& r) { return suspicion_name(r.place.kind); }>(
-        {.name = "kind", .text = "Kind of doubt"}),
-    reported<[](const ListedPlace& r) { return r.place.position; }>(
-        {.name = "at", .text = "Centre of the region", .unit = "length"}),
-    reported<[](const ListedPlace& r) { return r.place.normal; }>({.name = "normal", .text = "Normal of the surface"}),
-    reported<[](const ListedPlace& r) { return r.place.radius; }>(
-        {.name = "radius", .text = "Radius of a ball around the region", .unit = "length"}),
-    reported<[](const ListedPlace& r) { return r.place.supports; }>(
-        {.name = "fits", .text = "Local fits in the region"}),
-    reported<[](const ListedPlace& r) { return r.place.worst; }>(
-        {.name = "worst", .text = "Worst coverage, error, area or gradient"}),
-    reported<[](const ListedPlace& r) { return r.place.edit.has_value(); }>(
-        {.name = "edit", .text = "Whether an edit may repair it"}),
-    reported<&ListedPlace::step>({.text = "Number of the edit in the script"})};
-
-}  // namespace
-
 const ReportSchema& ListedPlace::schema() {
-  static constexpr ReportSchema schema{kListedPlaceRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&ListedPlace::number>({.text = "Number in the list"}),
+      reported<[](const ListedPlace& r) { return suspicion_name(r.place.kind); }>(
+          {.name = "kind", .text = "Kind of doubt"}),
+      reported<[](const ListedPlace& r) { return r.place.position; }>(
+          {.name = "at", .text = "Centre of the region", .unit = "length"}),
+      reported<[](const ListedPlace& r) { return r.place.normal; }>(
+          {.name = "normal", .text = "Normal of the surface"}),
+      reported<[](const ListedPlace& r) { return r.place.radius; }>(
+          {.name = "radius", .text = "Radius of a ball around the region", .unit = "length"}),
+      reported<[](const ListedPlace& r) { return r.place.supports; }>(
+          {.name = "fits", .text = "Local fits in the region"}),
+      reported<[](const ListedPlace& r) { return r.place.worst; }>(
+          {.name = "worst", .text = "Worst coverage, error, area or gradient"}),
+      reported<[](const ListedPlace& r) { return r.place.edit.has_value(); }>(
+          {.name = "edit", .text = "Whether an edit may repair it"}),
+      reported<&ListedPlace::step>({.text = "Number of the edit in the script"})};
+  return report_schema<rows>();
 }
 
 namespace {
@@ -148,22 +143,20 @@ ReportCounts counted_kinds(const DiagnoseResult& made) {
   return counts;
 }
 
-constexpr ReportRow kDiagnoseResultRows[] = {
-    reported<&DiagnoseResult::fits>({.name = "input.fits", .text = "Local fits of the function"}),
-    reported<[](const DiagnoseResult& r) { return r.diagnosis.error_above; }>(
-        {.name = "error_above", .text = "Error above which a region is doubtful", .unit = "length"}),
-    reported<[](const DiagnoseResult& r) { return r.diagnosis.largest_gradient; }>(
-        {.name = "largest_gradient", .text = "Largest gradient around the surface"}),
-    reported<[](const DiagnoseResult& r) { return counted_kinds(r); }>(
-        {.name = "found", .text = "Regions of each kind, including unlisted ones"}),
-    reported<[](const DiagnoseResult& r) { return r.edits.size(); }>({.name = "edits", .text = "Proposed edits"}),
-    reported<&DiagnoseResult::places>({.text = "Regions by kind, the largest first"})};
-
 }  // namespace
 
 const ReportSchema& DiagnoseResult::schema() {
-  static constexpr ReportSchema schema{kDiagnoseResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&DiagnoseResult::fits>({.name = "input.fits", .text = "Local fits of the function"}),
+      reported<[](const DiagnoseResult& r) { return r.diagnosis.error_above; }>(
+          {.name = "error_above", .text = "Error above which a region is doubtful", .unit = "length"}),
+      reported<[](const DiagnoseResult& r) { return r.diagnosis.largest_gradient; }>(
+          {.name = "largest_gradient", .text = "Largest gradient around the surface"}),
+      reported<[](const DiagnoseResult& r) { return counted_kinds(r); }>(
+          {.name = "found", .text = "Regions of each kind, including unlisted ones"}),
+      reported<[](const DiagnoseResult& r) { return r.edits.size(); }>({.name = "edits", .text = "Proposed edits"}),
+      reported<&DiagnoseResult::places>({.text = "Regions by kind, the largest first"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -57,20 +57,14 @@ EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_m
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kEditedFunctionRows[] = {
-    reported<&EditedFunction::steps>({.text = "Edits in order"}),
-    reported<[](const EditedFunction& r) { return r.function.fitted().field.report().functions; }>(
-        {.name = "fits", .text = "Local fits of the function"}),
-    reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update); }>(
-        {.name = "update", .text = "Update of the mesh, if requested"})};
-
-}  // namespace
-
 const ReportSchema& EditedFunction::schema() {
-  static constexpr ReportSchema schema{kEditedFunctionRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&EditedFunction::steps>({.text = "Edits in order"}),
+      reported<[](const EditedFunction& r) { return r.function.fitted().field.report().functions; }>(
+          {.name = "fits", .text = "Local fits of the function"}),
+      reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update); }>(
+          {.name = "update", .text = "Update of the mesh, if requested"})};
+  return report_schema<rows>();
 }
 
 std::string words_of(const EditReport& r) {

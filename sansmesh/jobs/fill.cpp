@@ -23,8 +23,7 @@ void add_stray_note(const HoleLoops& found, std::vector<Note>& notes) {
   notes.push_back({.code = "stray_border",
                    .text = fmt::format(
                        "{} of the border end at edges with three or more triangles and enclose no hole: they stay open",
-                       counted(found.stray_edges, "edge")),
-                   .remedy = {}});
+                       counted(found.stray_edges, "edge"))});
 }
 
 /// Note on openings left open, with the option that closes the widest.
@@ -66,7 +65,7 @@ FillResult fill(TriangleMesh mesh, const FillOptions& options, Progress& progres
   result.mesh = std::move(mesh);
   const FillReport& r = result.report = fill_holes(result.mesh, options, progress);
   const auto note = [&](const char* code, std::string text) {
-    result.notes.push_back({.code = code, .text = std::move(text), .remedy = {}});
+    result.notes.push_back({.code = code, .text = std::move(text)});
   };
   add_stray_note(r.found, result.notes);
   if (r.failed > 0)
@@ -84,34 +83,22 @@ FillResult fill(TriangleMesh mesh, const FillOptions& options, Progress& progres
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kHolesResultRows[] = {
-    reported<&HolesResult::triangles>({.name = "input.triangles", .text = "Triangles of the mesh"}),
-    reported<&HolesResult::joined_vertices>(
-        {.name = "input.joined_vertices", .text = "Vertices merged with a coincident one"}),
-    reported_beside<&HolesResult::holes>()};
-
-}  // namespace
-
 const ReportSchema& HolesResult::schema() {
-  static constexpr ReportSchema schema{kHolesResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&HolesResult::triangles>({.name = "input.triangles", .text = "Triangles of the mesh"}),
+      reported<&HolesResult::joined_vertices>(
+          {.name = "input.joined_vertices", .text = "Vertices merged with a coincident one"}),
+      reported_beside<&HolesResult::holes>()};
+  return report_schema<rows>();
 }
 
-namespace {
-
-constexpr ReportRow kFillResultRows[] = {
-    reported<&FillResult::triangles>({.name = "input.triangles", .text = "Triangles of the original"}),
-    reported<&FillResult::joined_vertices>(
-        {.name = "input.joined_vertices", .text = "Vertices merged with a coincident one"}),
-    reported_beside<&FillResult::report>()};
-
-}  // namespace
-
 const ReportSchema& FillResult::schema() {
-  static constexpr ReportSchema schema{kFillResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&FillResult::triangles>({.name = "input.triangles", .text = "Triangles of the original"}),
+      reported<&FillResult::joined_vertices>(
+          {.name = "input.joined_vertices", .text = "Vertices merged with a coincident one"}),
+      reported_beside<&FillResult::report>()};
+  return report_schema<rows>();
 }
 
 std::vector<std::string> summary_of(const HoleLoops& holes, std::size_t most) {

@@ -13,8 +13,7 @@ const OptionSchema& FitFunctionOptions::schema() {
   using O = FitFunctionOptions;
   static const OptionRow rows[] = {option_group<&O::cloud>(CloudUse::schema().rows),
                                    option_group<&O::fit>(FitOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 FitFunctionResult fit_function(PointSet points, const FitFunctionOptions& options, Progress& progress) {
@@ -36,8 +35,7 @@ const ReportSchema& FitFunctionReport::schema() {
                                                  .choices = kOrientByWords}),
       reported<[](const FitFunctionReport& r) { return told_if(!r.alignment.empty(), r.alignment); }>(
           {.name = "alignment", .text = "Registration of scans, as text"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -14,8 +14,7 @@ const OptionSchema& FitVolumeOptions::schema() {
   using O = FitVolumeOptions;
   static constexpr OptionRow rows[] = {
       option<&O::all_arrays>({.text = "Keep the other arrays as well", .old_name = "all"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 FitVolumeResult fit_volume(const VolumeModel& volume, const FitVolumeOptions& options, Progress& progress) {
@@ -42,7 +41,6 @@ FitVolumeResult fit_volume(const VolumeModel& volume, const FitVolumeOptions& op
     result.notes.push_back(
         {.code = "no_coefficients",
          .text = fmt::format("{} has no coefficients: only the samples are kept", *fitted->chosen.method),
-         .remedy = {},
          .severity = Note::Severity::information,
          .of = volume.name()});
   result.fitted = std::move(fitted);
@@ -55,17 +53,11 @@ void write_fit(const std::string& file, const FitVolumeResult& fit) {
   write_volume_file(file, *fit.fitted);
 }
 
-namespace {
-
-constexpr ReportRow kFitVolumeReportRows[] = {
-    reported<&FitVolumeReport::by_degree>({.text = "Polynomials of each degree"}),
-    reported<&FitVolumeReport::samples>({.name = "output.samples", .text = "Samples"})};
-
-}  // namespace
-
 const ReportSchema& FitVolumeReport::schema() {
-  static constexpr ReportSchema schema{kFitVolumeReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&FitVolumeReport::by_degree>({.text = "Polynomials of each degree"}),
+      reported<&FitVolumeReport::samples>({.name = "output.samples", .text = "Samples"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -62,8 +62,7 @@ const OptionSchema& TraceLinesOptions::schema() {
                                    option<&O::carry>({.text = "Other arrays at the points: names with commas, all or "
                                                               "none",
                                                       .unit = "names"})};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void TraceLinesOptions::validate() const { lines.validate(); }
@@ -96,7 +95,6 @@ TraceLinesResult trace_lines_of(const FlowModel& flow, const TraceLinesOptions& 
     result.notes.push_back({.code = "outside",
                             .text = fmt::format("{} of {} outside of the flow", grouped(result.report.outside),
                                                 counted(result.report.seeds, "seed")),
-                            .remedy = {},
                             .of = flow.source()});
   return result;
 }

@@ -149,8 +149,7 @@ const OptionSchema& FlowModelOptions::schema() {
                           .unit = "gib",
                           .from_data = "a quarter of the machine's",
                           .range = at_least(0)})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void FlowModelOptions::validate() const { validate_options(*this); }
@@ -192,7 +191,6 @@ Seeds FlowModel::seeds(const std::string& text, std::size_t usual, std::vector<N
   if (const std::size_t gone = all - seeds.points.size(); gone > 0)
     notes.push_back({.code = "not_finite",
                      .text = fmt::format("{} of {} dropped: not finite", grouped(gone), counted(all, "seed")),
-                     .remedy = {},
                      .of = seeds.file});
   return seeds;
 }

@@ -288,8 +288,7 @@ const OptionSchema& FlowPictureOptions::schema() {
       option<&O::label>({.text = "Label of the colour bar", .from_data = "that of `color_by`"}),
       option<&O::unit>({.text = "Unit at the colour bar", .unit = "unit"}),
       option<&O::title>({.text = "Title above the picture"})};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void FlowPictureOptions::validate() const {
@@ -301,8 +300,7 @@ void FlowPictureOptions::validate() const {
       !preset.empty() && std::find(known.begin(), known.end(), preset) == known.end())
     throw ArgumentError(ArgumentFault{.field = "preset",
                                       .value = "'" + printable(preset, 60) + "'",
-                                      .allowed = fmt::format("one of {}", fmt::join(known, ", ")),
-                                      .remedy = {}});
+                                      .allowed = fmt::format("one of {}", fmt::join(known, ", "))});
   if (!textured && !options_set(streaks).empty())
     throw ArgumentError(fmt::format("`{}` needs `streaks`", options_set(streaks)[0]));
   if (frames && !textured && turn == 0)
@@ -336,15 +334,9 @@ FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions
   return pictures.result();
 }
 
-namespace {
-
-constexpr ReportRow kFlowPicturesResultRows[] = {reported<&FlowPicturesResult::surface>({.text = "Traced surface"})};
-
-}  // namespace
-
 const ReportSchema& FlowPicturesResult::schema() {
-  static constexpr ReportSchema schema{kFlowPicturesResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {reported<&FlowPicturesResult::surface>({.text = "Traced surface"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

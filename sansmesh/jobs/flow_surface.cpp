@@ -16,8 +16,7 @@ const OptionSchema& TraceSurfaceOptions::schema() {
   using O = TraceSurfaceOptions;
   static const OptionRow rows[] = {option<&O::seeds>({.text = kSeedsText, .unit = "seeds"}),
                                    option_group<&O::surface>(FlowSurfaceOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void TraceSurfaceOptions::validate() const {
@@ -61,18 +60,12 @@ std::vector<std::string> summary_of(const FlowSurfaceReport& r) {
       fmt::format("{} inserted, {} removed, {}", grouped(r.inserted), grouped(r.removed), counted(r.tears, "tear"))};
 }
 
-namespace {
-
-constexpr ReportRow kTraceSurfaceResultRows[] = {
-    reported<[](const TraceSurfaceResult& r) { return r.surface.report; }>(
-        {.name = "surface", .text = "Traced surface"}),
-    reported<&TraceSurfaceResult::area>({.text = "Area of its mesh", .unit = "length²"})};
-
-}  // namespace
-
 const ReportSchema& TraceSurfaceResult::schema() {
-  static constexpr ReportSchema schema{kTraceSurfaceResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const TraceSurfaceResult& r) { return r.surface.report; }>(
+          {.name = "surface", .text = "Traced surface"}),
+      reported<&TraceSurfaceResult::area>({.text = "Area of its mesh", .unit = "length²"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

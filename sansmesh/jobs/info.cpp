@@ -115,30 +115,24 @@ FunctionInfo info(const SurfaceFunction& told) {
   return info;
 }
 
-namespace {
-
-constexpr ReportRow kFunctionInfoRows[] = {
-    reported<&FunctionInfo::fits>({.text = "Local fits"}),
-    reported<&FunctionInfo::fits_of_degree>({.text = "Local fits of degree 0 to 4"}),
-    reported<&FunctionInfo::creased>({.text = "Local fits with a crease"}),
-    reported<&FunctionInfo::open_share>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
-    reported<&FunctionInfo::behind>(
-        {.name = "winding_number_behind", .text = "Mean winding number behind the samples"}),
-    reported<&FunctionInfo::depth>({.text = "Deepest level of the tree"}),
-    reported<&FunctionInfo::samples>({.text = "Samples that were kept"}),
-    reported<&FunctionInfo::spacing>({.text = "Spacing of the samples", .unit = "length"}),
-    reported<&FunctionInfo::deviation>(
-        {.text = "Root mean square distance of the samples from the surface", .unit = "length"}),
-    reported<&FunctionInfo::accuracy>({.text = "Expected error of the surface", .unit = "length"}),
-    reported<&FunctionInfo::cube>({.text = "Corners of the cube of the tree", .unit = "length"}),
-    reported<&FunctionInfo::paper>({.text = "Construction of blocks, for fits by a published method"}),
-    reported<&FunctionInfo::history>({.text = "Edits of the function"})};
-
-}  // namespace
-
 const ReportSchema& FunctionInfo::schema() {
-  static constexpr ReportSchema schema{kFunctionInfoRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&FunctionInfo::fits>({.text = "Local fits"}),
+      reported<&FunctionInfo::fits_of_degree>({.text = "Local fits of degree 0 to 4"}),
+      reported<&FunctionInfo::creased>({.text = "Local fits with a crease"}),
+      reported<&FunctionInfo::open_share>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
+      reported<&FunctionInfo::behind>(
+          {.name = "winding_number_behind", .text = "Mean winding number behind the samples"}),
+      reported<&FunctionInfo::depth>({.text = "Deepest level of the tree"}),
+      reported<&FunctionInfo::samples>({.text = "Samples that were kept"}),
+      reported<&FunctionInfo::spacing>({.text = "Spacing of the samples", .unit = "length"}),
+      reported<&FunctionInfo::deviation>(
+          {.text = "Root mean square distance of the samples from the surface", .unit = "length"}),
+      reported<&FunctionInfo::accuracy>({.text = "Expected error of the surface", .unit = "length"}),
+      reported<&FunctionInfo::cube>({.text = "Corners of the cube of the tree", .unit = "length"}),
+      reported<&FunctionInfo::paper>({.text = "Construction of blocks, for fits by a published method"}),
+      reported<&FunctionInfo::history>({.text = "Edits of the function"})};
+  return report_schema<rows>();
 }
 
 namespace {
@@ -151,23 +145,21 @@ std::vector<std::optional<double>> ends_of(const AttributeInfo& info, bool upper
   return ends;
 }
 
-constexpr ReportRow kAttributeInfoRows[] = {
-    reported<[](const AttributeInfo& r) { return printable(r.name); }>({.name = "name", .text = "Name"}),
-    reported<&AttributeInfo::of>({.text = "Kind of element: point, triangle or cell"}),
-    reported<[](const AttributeInfo& r) { return name_of(r.type); }>({.name = "type", .text = "Type of its numbers"}),
-    reported<[](const AttributeInfo& r) { return r.ranges.size(); }>(
-        {.name = "components", .text = "Numbers per element"}),
-    reported<[](const AttributeInfo& r) { return ends_of(r, false); }>(
-        {.name = "lower", .text = "Least number of each component"}),
-    reported<[](const AttributeInfo& r) { return ends_of(r, true); }>(
-        {.name = "upper", .text = "Largest number of each component"}),
-    reported<&AttributeInfo::not_finite>({.text = "Numbers that are not finite, for arrays of volumes"})};
-
 }  // namespace
 
 const ReportSchema& AttributeInfo::schema() {
-  static constexpr ReportSchema schema{kAttributeInfoRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const AttributeInfo& r) { return printable(r.name); }>({.name = "name", .text = "Name"}),
+      reported<&AttributeInfo::of>({.text = "Kind of element: point, triangle or cell"}),
+      reported<[](const AttributeInfo& r) { return name_of(r.type); }>({.name = "type", .text = "Type of its numbers"}),
+      reported<[](const AttributeInfo& r) { return r.ranges.size(); }>(
+          {.name = "components", .text = "Numbers per element"}),
+      reported<[](const AttributeInfo& r) { return ends_of(r, false); }>(
+          {.name = "lower", .text = "Least number of each component"}),
+      reported<[](const AttributeInfo& r) { return ends_of(r, true); }>(
+          {.name = "upper", .text = "Largest number of each component"}),
+      reported<&AttributeInfo::not_finite>({.text = "Numbers that are not finite, for arrays of volumes"})};
+  return report_schema<rows>();
 }
 
 namespace {
@@ -181,32 +173,30 @@ std::optional<ReportCounts> counted_classes(const CloudInfo& info) {
   return counts;
 }
 
-constexpr ReportRow kCloudInfoRows[] = {
-    reported<&CloudInfo::points>({.text = "Points or vertices"}),
-    reported<&CloudInfo::duplicates>({.text = "Points that coincide with another"}),
-    reported<[](const CloudInfo& r) { return r.box.lower; }>(
-        {.name = "lower", .text = "Lower corner of the box", .unit = "length"}),
-    reported<[](const CloudInfo& r) { return r.box.upper; }>(
-        {.name = "upper", .text = "Upper corner of the box", .unit = "length"}),
-    reported<&CloudInfo::spans>({.text = "Shape of the cloud, as text"}),
-    reported<&CloudInfo::spacing>({.text = "Spacing of the points", .unit = "length"}),
-    reported_beside<&CloudInfo::noise>(),
-    reported<[](const CloudInfo& r) { return r.normals.words; }>({.name = "normals", .text = "Normals, as text"}),
-    reported<&CloudInfo::normals>({.name = "orientation", .text = "Orientation of the normals"}),
-    reported<&CloudInfo::orient_by>({.text = "Source of signs for new normals", .choices = kOrientByWords}),
-    reported<&CloudInfo::colors>({.text = "Whether there are colours"}),
-    reported<&CloudInfo::attributes>({.text = "Attributes"}),
-    reported<&CloudInfo::scanners>({.text = "Scanners with known positions"}),
-    reported<&CloudInfo::triangles>({.text = "Triangles of the file"}),
-    reported<&CloudInfo::mesh>({.text = "Connectivity of the triangles, sewn along coincident borders"}),
-    reported<[](const CloudInfo& r) { return counted_classes(r); }>(
-        {.name = "classes", .text = "Points of each class, by its number"})};
-
 }  // namespace
 
 const ReportSchema& CloudInfo::schema() {
-  static constexpr ReportSchema schema{kCloudInfoRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&CloudInfo::points>({.text = "Points or vertices"}),
+      reported<&CloudInfo::duplicates>({.text = "Points that coincide with another"}),
+      reported<[](const CloudInfo& r) { return r.box.lower; }>(
+          {.name = "lower", .text = "Lower corner of the box", .unit = "length"}),
+      reported<[](const CloudInfo& r) { return r.box.upper; }>(
+          {.name = "upper", .text = "Upper corner of the box", .unit = "length"}),
+      reported<&CloudInfo::spans>({.text = "Shape of the cloud, as text"}),
+      reported<&CloudInfo::spacing>({.text = "Spacing of the points", .unit = "length"}),
+      reported_beside<&CloudInfo::noise>(),
+      reported<[](const CloudInfo& r) { return r.normals.words; }>({.name = "normals", .text = "Normals, as text"}),
+      reported<&CloudInfo::normals>({.name = "orientation", .text = "Orientation of the normals"}),
+      reported<&CloudInfo::orient_by>({.text = "Source of signs for new normals", .choices = kOrientByWords}),
+      reported<&CloudInfo::colors>({.text = "Whether there are colours"}),
+      reported<&CloudInfo::attributes>({.text = "Attributes"}),
+      reported<&CloudInfo::scanners>({.text = "Scanners with known positions"}),
+      reported<&CloudInfo::triangles>({.text = "Triangles of the file"}),
+      reported<&CloudInfo::mesh>({.text = "Connectivity of the triangles, sewn along coincident borders"}),
+      reported<[](const CloudInfo& r) { return counted_classes(r); }>(
+          {.name = "classes", .text = "Points of each class, by its number"})};
+  return report_schema<rows>();
 }
 
 namespace {

@@ -52,7 +52,6 @@ void carry_along(const std::vector<std::string>& wanted, const VolumeModel& volu
       result.notes.push_back(
           {.code = "not_carried",
            .text = fmt::format("{} is not carried: its values do not fit into floats", printable(name, 60)),
-           .remedy = {},
            .of = volume.name()});
       continue;
     }
@@ -68,8 +67,7 @@ const OptionSchema& VolumeIsosurfaceOptions::schema() {
       option<&O::value>({.text = "Isovalue", .from_data = "the middle of the array's range"}),
       option<&O::carry>({.text = "Arrays sampled at the vertices: all, none, or names with commas", .unit = "names"}),
       option_group<&O::mesh>(IsosurfaceOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void VolumeIsosurfaceOptions::validate() const {
@@ -94,17 +92,11 @@ VolumeIsosurfaceResult isosurface(const VolumeModel& volume, const VolumeIsosurf
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kVolumeIsosurfaceReportRows[] = {
-    reported<&VolumeIsosurfaceReport::value>({.text = "Isovalue", .unit = "unit of the array"}),
-    reported_beside<&VolumeIsosurfaceReport::mesh>()};
-
-}  // namespace
-
 const ReportSchema& VolumeIsosurfaceReport::schema() {
-  static constexpr ReportSchema schema{kVolumeIsosurfaceReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&VolumeIsosurfaceReport::value>({.text = "Isovalue", .unit = "unit of the array"}),
+      reported_beside<&VolumeIsosurfaceReport::mesh>()};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

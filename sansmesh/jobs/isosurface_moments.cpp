@@ -62,8 +62,7 @@ const OptionSchema& IsosurfaceMomentsOptions::schema() {
                              .unit = "time",
                              .from_data = "the shortest time between steps",
                              .range = positive()})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void check_moments(const VolumeIsosurfaceOptions& options, const IsosurfaceMomentsOptions& moments) {
@@ -114,10 +113,8 @@ IsosurfaceMomentsResult isosurface_moments(const VolumeSeries& series, const Vol
     if (!mesh.triangles.empty()) simplify_mesh(mesh, simplify, quiet);
     move_to_input(mesh, place);
     if (mesh.triangles.empty())
-      result.notes.push_back({.code = "no_surface",
-                              .text = fmt::format("there is no surface at time {:.6g}", t),
-                              .remedy = {},
-                              .of = series.name});
+      result.notes.push_back(
+          {.code = "no_surface", .text = fmt::format("there is no surface at time {:.6g}", t), .of = series.name});
     r.moments.push_back(measured_moment(mesh, t));
     most = std::max(most, mesh.triangles.size());
     use(k, mesh);
@@ -127,44 +124,30 @@ IsosurfaceMomentsResult isosurface_moments(const VolumeSeries& series, const Vol
     result.notes.push_back({.code = "more_triangles",
                             .text = fmt::format("{} instead of {} in some frames", counted(most, "triangle"),
                                                 grouped(*options.mesh.triangles)),
-                            .remedy = {},
                             .of = series.name});
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kIsosurfaceMomentRows[] = {
-    reported<&IsosurfaceMoment::time>({.text = "Time"}),
-    reported<&IsosurfaceMoment::vertices>({.text = "Vertices"}),
-    reported<&IsosurfaceMoment::triangles>({.text = "Triangles"}),
-    reported<&IsosurfaceMoment::components>({.text = "Connected components"}),
-    reported<&IsosurfaceMoment::closed>({.text = "Whether the mesh is closed"}),
-    reported<&IsosurfaceMoment::area>({.text = "Area", .unit = "length²"}),
-    reported<&IsosurfaceMoment::volume>({.text = "Volume", .unit = "length³"})};
-
-}  // namespace
-
 const ReportSchema& IsosurfaceMoment::schema() {
-  static constexpr ReportSchema schema{kIsosurfaceMomentRows};
-  return schema;
+  static constexpr ReportRow rows[] = {reported<&IsosurfaceMoment::time>({.text = "Time"}),
+                                       reported<&IsosurfaceMoment::vertices>({.text = "Vertices"}),
+                                       reported<&IsosurfaceMoment::triangles>({.text = "Triangles"}),
+                                       reported<&IsosurfaceMoment::components>({.text = "Connected components"}),
+                                       reported<&IsosurfaceMoment::closed>({.text = "Whether the mesh is closed"}),
+                                       reported<&IsosurfaceMoment::area>({.text = "Area", .unit = "length²"}),
+                                       reported<&IsosurfaceMoment::volume>({.text = "Volume", .unit = "length³"})};
+  return report_schema<rows>();
 }
 
-namespace {
-
-constexpr ReportRow kIsosurfaceMomentsReportRows[] = {
-    reported<&IsosurfaceMomentsReport::value>({.text = "Isovalue", .unit = "unit of the array"}),
-    reported<&IsosurfaceMomentsReport::blocks>({.text = "Blocks in space and time"}),
-    reported<&IsosurfaceMomentsReport::cell>({.text = "Edge of the smallest blocks", .unit = "length"}),
-    reported<&IsosurfaceMomentsReport::time_cell>(
-        {.text = "Duration of the smallest blocks", .unit = "unit of the times"}),
-    reported<&IsosurfaceMomentsReport::moments>({.name = "frames", .text = "Meshes in order"})};
-
-}  // namespace
-
 const ReportSchema& IsosurfaceMomentsReport::schema() {
-  static constexpr ReportSchema schema{kIsosurfaceMomentsReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&IsosurfaceMomentsReport::value>({.text = "Isovalue", .unit = "unit of the array"}),
+      reported<&IsosurfaceMomentsReport::blocks>({.text = "Blocks in space and time"}),
+      reported<&IsosurfaceMomentsReport::cell>({.text = "Edge of the smallest blocks", .unit = "length"}),
+      reported<&IsosurfaceMomentsReport::time_cell>(
+          {.text = "Duration of the smallest blocks", .unit = "unit of the times"}),
+      reported<&IsosurfaceMomentsReport::moments>({.name = "frames", .text = "Meshes in order"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

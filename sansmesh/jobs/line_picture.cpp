@@ -98,8 +98,7 @@ const OptionSchema& LinePictureOptions::schema() {
                                .unit = "length",
                                .from_data = "1/400 of the lines' diagonal",
                                .range = positive()})};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void LinePictureOptions::validate(const std::string& usual) const {
@@ -160,20 +159,14 @@ LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& opt
   return drawn;
 }
 
-namespace {
-
-constexpr ReportRow kLinePictureRows[] = {
-    reported<&LinePicture::color_by>({.text = "Array shown by colours"}),
-    reported<&LinePicture::lower>({.text = "Value of the first colour", .unit = "unit of the array"}),
-    reported<&LinePicture::upper>({.text = "Value of the last colour", .unit = "unit of the array"}),
-    reported<&LinePicture::radius>({.text = "Radius of the tubes", .unit = "length"}),
-    reported<&LinePicture::triangles>({.text = "Triangles of the tubes"})};
-
-}  // namespace
-
 const ReportSchema& LinePicture::schema() {
-  static constexpr ReportSchema schema{kLinePictureRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&LinePicture::color_by>({.text = "Array shown by colours"}),
+      reported<&LinePicture::lower>({.text = "Value of the first colour", .unit = "unit of the array"}),
+      reported<&LinePicture::upper>({.text = "Value of the last colour", .unit = "unit of the array"}),
+      reported<&LinePicture::radius>({.text = "Radius of the tubes", .unit = "length"}),
+      reported<&LinePicture::triangles>({.text = "Triangles of the tubes"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -106,8 +106,7 @@ std::vector<Note> CarriedSurface::notes() const {
   if (!embedding || embedding->outside() == 0) return {};
   return {{.code = "outside",
            .text = fmt::format("{} of {} vertices are in no tetrahedron: they move with the nearest",
-                               grouped(embedding->outside()), grouped(state_->surface.vertices.size())),
-           .remedy = {}}};
+                               grouped(embedding->outside()), grouped(state_->surface.vertices.size()))}};
 }
 
 CarriedSurface read_carried(const std::string& file, const SimulationPlan& plan) {

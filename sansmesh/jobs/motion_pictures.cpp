@@ -129,8 +129,7 @@ MotionPictures::MotionPictures(const SimulationPlan& plan, std::optional<Carried
   s.volume->look.validate();
   s.boundary = boundary_mesh(*s.rest, s.rest->vertices, &s.sources);
   if (reaches_beyond(bounds(*s.rest), s.volume->field->bounds()))
-    s.notes.push_back(
-        {.code = "volume_ends", .text = "does not cover all tetrahedra: its values are extrapolated", .remedy = {}});
+    s.notes.push_back({.code = "volume_ends", .text = "does not cover all tetrahedra: its values are extrapolated"});
 }
 
 MotionPictures::~MotionPictures() = default;

@@ -29,8 +29,7 @@ const OptionSchema& NormalsOptions::schema() {
                              .unit = "choice",
                              .from_data = "the first available",
                              .choices = kOrientByWords})};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void NormalsOptions::validate() const {
@@ -67,24 +66,18 @@ NormalsResult normals(PointSet points, const NormalsOptions& options, Progress& 
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kNormalsReportRows[] = {
-    reported<&NormalsReport::spacing>({.text = "Spacing of the samples", .unit = "length"}),
-    reported_beside<&NormalsReport::noise>(),
-    reported<&NormalsReport::neighbours>({.text = "Neighbours of each sample, for new normals"}),
-    reported<[](const NormalsReport& r) { return r.check.oriented; }>(
-        {.name = "oriented", .text = "Whether the signs are consistent"}),
-    reported<&NormalsReport::check>({.name = "orientation", .text = "Orientation of the normals"}),
-    reported<&NormalsReport::oriented_by>(
-        {.text = "Source of the signs; null if they were not changed", .choices = kOrientByWords}),
-    reported<&NormalsReport::unknown>({.text = "Samples with undefined normals, set to zero"})};
-
-}  // namespace
-
 const ReportSchema& NormalsReport::schema() {
-  static constexpr ReportSchema schema{kNormalsReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&NormalsReport::spacing>({.text = "Spacing of the samples", .unit = "length"}),
+      reported_beside<&NormalsReport::noise>(),
+      reported<&NormalsReport::neighbours>({.text = "Neighbours of each sample, for new normals"}),
+      reported<[](const NormalsReport& r) { return r.check.oriented; }>(
+          {.name = "oriented", .text = "Whether the signs are consistent"}),
+      reported<&NormalsReport::check>({.name = "orientation", .text = "Orientation of the normals"}),
+      reported<&NormalsReport::oriented_by>(
+          {.text = "Source of the signs; null if they were not changed", .choices = kOrientByWords}),
+      reported<&NormalsReport::unknown>({.text = "Samples with undefined normals, set to zero"})};
+  return report_schema<rows>();
 }
 
 std::vector<std::string> summary_of(const NormalsResult& made) {

@@ -30,8 +30,7 @@ const OptionSchema& PictureContentsOptions::schema() {
       option<&O::points>(
           {.text = "Samples of a surface, or a function (.smf), drawn in the same picture without a mesh",
            .unit = "file"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 PictureContents::PictureContents(const PictureContentsOptions& options, const RenderOptions& look, Progress& progress) {

@@ -25,10 +25,8 @@ struct ColorRangeWords {
     const auto& v = std::get<std::vector<double>>(value);
     if (v.size() == 1) return {-v[0], v[0]};
     if (v.size() != 2)
-      throw ArgumentError(ArgumentFault{.field = {},
-                                        .value = std::to_string(v.size()) + " numbers",
-                                        .allowed = "a number or LOW,HIGH",
-                                        .remedy = {}});
+      throw ArgumentError(ArgumentFault{
+          .field = {}, .value = std::to_string(v.size()) + " numbers", .allowed = "a number or LOW,HIGH"});
     return {v[0], v[1]};
   }
 };
@@ -39,8 +37,7 @@ void check_color_words(const std::vector<std::string>& words) {
       throw ArgumentError(ArgumentFault{
           .field = "color",
           .value = "'" + printable(word, 40) + "'",
-          .allowed = fmt::format("{}, '#rrggbb', {} (the file's) or {}", color_words(), kOwnColor, kAutoColor),
-          .remedy = {}});
+          .allowed = fmt::format("{}, '#rrggbb', {} (the file's) or {}", color_words(), kOwnColor, kAutoColor)});
 }
 
 /// In pictures with only feature lines, surfaces have neither light nor colour.
@@ -145,8 +142,7 @@ const OptionSchema& PictureOptions::schema() {
       option<&O::frames>({.text = "Number of pictures of a turntable: NAME_000.png, NAME_001.png, …",
                           .unit = "count",
                           .range = {1, kMostPictures}})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void PictureOptions::validate() const {

@@ -65,13 +65,11 @@ void take_material(const TetMesh& body, SceneScript& s, std::vector<Note>& notes
   };
   mean(0, s.density);
   if (!springs) mean(1, s.young), mean(2, s.poisson);
-  if (taken && differ)
-    notes.push_back({.code = "mean_material", .text = "several materials: the body has their mean", .remedy = {}});
+  if (taken && differ) notes.push_back({.code = "mean_material", .text = "several materials: the body has their mean"});
   if (taken && known < density->size())
     notes.push_back({.code = "no_material",
                      .text = fmt::format("{} without a material: they have that of the others",
-                                         counted(density->size() - known, "cell")),
-                     .remedy = {}});
+                                         counted(density->size() - known, "cell"))});
 }
 
 /// Overrides the scene by options.
@@ -196,8 +194,7 @@ const OptionSchema& SimulateOptions::schema() {
                                 .range = positive(),
                                 .old_name = "step"}),
       option<&O::z_up>({.text = "Gravity pulls along -z, regardless of the scene"})};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void SimulateOptions::validate() const {

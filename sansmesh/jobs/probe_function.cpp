@@ -81,24 +81,18 @@ std::vector<std::string> summary_of(const ProbeFunctionResult& probed) {
   return lines;
 }
 
-namespace {
-
-constexpr ReportRow kProbeFunctionReportRows[] = {
-    reported<&ProbeFunctionReport::points>({.text = "Evaluated points"}),
-    reported<&ProbeFunctionReport::inside>({.text = "Points inside"}),
-    reported<&ProbeFunctionReport::mean>(
-        {.name = "absolute_value.mean", .text = "Mean of the absolute values", .unit = "length"}),
-    reported<&ProbeFunctionReport::median>(
-        {.name = "absolute_value.median", .text = "Median of the absolute values", .unit = "length"}),
-    reported<&ProbeFunctionReport::largest>(
-        {.name = "absolute_value.max", .text = "Largest absolute value", .unit = "length"}),
-    reported<&ProbeFunctionReport::largest_gradient>({.text = "Largest gradient"})};
-
-}  // namespace
-
 const ReportSchema& ProbeFunctionReport::schema() {
-  static constexpr ReportSchema schema{kProbeFunctionReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&ProbeFunctionReport::points>({.text = "Evaluated points"}),
+      reported<&ProbeFunctionReport::inside>({.text = "Points inside"}),
+      reported<&ProbeFunctionReport::mean>(
+          {.name = "absolute_value.mean", .text = "Mean of the absolute values", .unit = "length"}),
+      reported<&ProbeFunctionReport::median>(
+          {.name = "absolute_value.median", .text = "Median of the absolute values", .unit = "length"}),
+      reported<&ProbeFunctionReport::largest>(
+          {.name = "absolute_value.max", .text = "Largest absolute value", .unit = "length"}),
+      reported<&ProbeFunctionReport::largest_gradient>({.text = "Largest gradient"})};
+  return report_schema<rows>();
 }
 
 const ReportSchema& ProbedPlace::schema() {
@@ -111,8 +105,7 @@ const ReportSchema& ProbedPlace::schema() {
           {.name = "k1", .text = "Larger principal curvature of the level set", .unit = "1/length"}),
       reported<[](const ProbedPlace& r) { return r.k2; }>(
           {.name = "k2", .text = "Smaller principal curvature of the level set", .unit = "1/length"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

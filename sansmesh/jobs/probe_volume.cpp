@@ -47,7 +47,6 @@ ProbeResult probe_volume(const VolumeModel& volume, std::span<const Vec3> points
                              "{:.6g}, {:.6g})",
                              counted(n, "point"), box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y,
                              box.upper.z),
-         .remedy = {},
          .of = volume.name()});
   }
   return result;
@@ -72,15 +71,9 @@ std::string probe_table(const ProbeResult& p) {
   return text;
 }
 
-namespace {
-
-constexpr ReportRow kProbeReportRows[] = {reported<&ProbeReport::inside>({.text = "Points inside the volume"})};
-
-}  // namespace
-
 const ReportSchema& ProbeReport::schema() {
-  static constexpr ReportSchema schema{kProbeReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {reported<&ProbeReport::inside>({.text = "Points inside the volume"})};
+  return report_schema<rows>();
 }
 
 std::vector<ProbedValue> probed_values(const ProbeResult& p) {
@@ -100,8 +93,7 @@ const ReportSchema& ProbedValue::schema() {
       reported<&ProbedValue::value>({.text = "Value", .unit = "unit of the array"}),
       reported<&ProbedValue::gradient>({.text = "Gradient", .unit = "per length"}),
       reported<&ProbedValue::inside>({.text = "Whether the point is inside the volume"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 std::vector<std::string> summary_of(const ProbeResult& probed) {

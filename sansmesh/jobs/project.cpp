@@ -95,8 +95,7 @@ const OptionSchema& ProjectOptions::schema() {
            .range = {1, kMostPoints},
            .old_name = "points"}),
       option_group<&O::steps>(ProjectToSurface::schema().rows), option_group<&O::lop>(LopOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void ProjectOptions::validate() const {
@@ -124,16 +123,10 @@ ProjectResult project(ProjectInput input, const ProjectOptions& options, Progres
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kProjectReportRows[] = {reported<&ProjectReport::method>({.text = "Name of the method"}),
-                                            reported_beside<&ProjectReport::moved>()};
-
-}  // namespace
-
 const ReportSchema& ProjectReport::schema() {
-  static constexpr ReportSchema schema{kProjectReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {reported<&ProjectReport::method>({.text = "Name of the method"}),
+                                       reported_beside<&ProjectReport::moved>()};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -54,8 +54,7 @@ struct VertexNumbers {
       if (!v)
         throw ArgumentError(ArgumentFault{.field = {},
                                           .value = "'" + printable(word, 60) + "'",
-                                          .allowed = "numbers of vertices, which count from 0",
-                                          .remedy = {}});
+                                          .allowed = "numbers of vertices, which count from 0"});
       vertices.push_back(static_cast<std::uint32_t>(*v));
     }
     return vertices;
@@ -111,8 +110,7 @@ const OptionSchema& DeformationInput::schema() {
                                 "through POINT across INTO, 'polygon(x,y,z; x,y,z; …)', or a mesh; may be repeated",
                         .unit = "cut",
                         .name = "cut"})};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void DeformationInput::validate() const {

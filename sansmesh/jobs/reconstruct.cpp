@@ -114,8 +114,7 @@ const OptionSchema& ReconstructOptions::schema() {
   static const OptionRow rows[] = {
       option_group<&O::cloud>(CloudUse::schema().rows), option_group<&O::fit>(FitOptions::schema().rows),
       option_group<&O::mesh>(MeshOptions::schema().rows), option_group<&O::surface>(SurfaceOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void ReconstructOptions::validate() const {
@@ -167,32 +166,26 @@ ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kReconstructReportRows[] = {
-    reported_base<MeshReport, ReconstructReport>(),
-    reported<&ReconstructReport::noise>(
-        {.name = "deviation", .text = "Standard deviation of the samples from the surface", .unit = "length"}),
-    reported<&ReconstructReport::estimated_normals>(
-        {.name = "normals.estimated", .text = "Whether normals were estimated"}),
-    reported<&ReconstructReport::oriented_by>({.name = "normals.oriented_by",
-                                               .text = "Source of the signs of normals; null: the input",
-                                               .choices = kOrientByWords}),
-    reported<[](const ReconstructReport& r) { return told_if(!r.alignment.empty(), r.alignment); }>(
-        {.name = "alignment", .text = "Registration of scans, as text"}),
-    reported<&ReconstructReport::fits>({.text = "Local fits"}),
-    reported<&ReconstructReport::fit_depth>({.text = "Deepest level of their tree"}),
-    reported<&ReconstructReport::fits_of_degree>({.text = "Local fits of degree 0 to 4"}),
-    reported<&ReconstructReport::paper>({.text = "Construction of blocks, for fits by a published method"}),
-    reported<&ReconstructReport::open_share>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
-    reported<&ReconstructReport::behind>(
-        {.name = "winding_number_behind", .text = "Mean winding number behind the samples"})};
-
-}  // namespace
-
 const ReportSchema& ReconstructReport::schema() {
-  static constexpr ReportSchema schema{kReconstructReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported_base<MeshReport, ReconstructReport>(),
+      reported<&ReconstructReport::noise>(
+          {.name = "deviation", .text = "Standard deviation of the samples from the surface", .unit = "length"}),
+      reported<&ReconstructReport::estimated_normals>(
+          {.name = "normals.estimated", .text = "Whether normals were estimated"}),
+      reported<&ReconstructReport::oriented_by>({.name = "normals.oriented_by",
+                                                 .text = "Source of the signs of normals; null: the input",
+                                                 .choices = kOrientByWords}),
+      reported<[](const ReconstructReport& r) { return told_if(!r.alignment.empty(), r.alignment); }>(
+          {.name = "alignment", .text = "Registration of scans, as text"}),
+      reported<&ReconstructReport::fits>({.text = "Local fits"}),
+      reported<&ReconstructReport::fit_depth>({.text = "Deepest level of their tree"}),
+      reported<&ReconstructReport::fits_of_degree>({.text = "Local fits of degree 0 to 4"}),
+      reported<&ReconstructReport::paper>({.text = "Construction of blocks, for fits by a published method"}),
+      reported<&ReconstructReport::open_share>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
+      reported<&ReconstructReport::behind>(
+          {.name = "winding_number_behind", .text = "Mean winding number behind the samples"})};
+  return report_schema<rows>();
 }
 
 namespace {

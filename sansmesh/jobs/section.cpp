@@ -72,8 +72,7 @@ const OptionSchema& SectionOptions::schema() {
                          .needs = "axis"}),
       option<&O::resolution>(
           {.text = "For functions: lattice squares along the longer side", .from_data = "512", .range = {2, 4096}})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void SectionOptions::validate() const {
@@ -103,21 +102,14 @@ SectionResult section(const AnySurface& surface, const SectionOptions& options, 
   if (r.open_curves > 0)
     result.notes.push_back({.code = "open_curves",
                             .text = fmt::format("{} of {} open: the surface has borders there, which enclose no area",
-                                                grouped(r.open_curves), counted(r.curves, "curve")),
-                            .remedy = {}});
+                                                grouped(r.open_curves), counted(r.curves, "curve"))});
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kSectionResultRows[] = {
-    reported<&SectionResult::sections>({.name = "planes", .text = "Planes with their sections"})};
-
-}  // namespace
-
 const ReportSchema& SectionResult::schema() {
-  static constexpr ReportSchema schema{kSectionResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&SectionResult::sections>({.name = "planes", .text = "Planes with their sections"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -62,8 +62,7 @@ Simplified simplify_from(std::size_t first_shape, TriangleMesh mesh, const Trian
 Note seams_note(std::size_t seams) {
   return {.code = "seams",
           .text = fmt::format("{} coincident with another, but with other colours or attributes: seams may open",
-                              seams == 1 ? "1 vertex is" : grouped(seams) + " vertices are"),
-          .remedy = {}};
+                              seams == 1 ? "1 vertex is" : grouped(seams) + " vertices are")};
 }
 
 Note more_triangles_note(const TriangleMesh& mesh, std::size_t wanted) {
@@ -72,8 +71,7 @@ Note more_triangles_note(const TriangleMesh& mesh, std::size_t wanted) {
           .text = fmt::format("{} instead of {} triangles: no other edge can be collapsed{}",
                               grouped(mesh.triangles.size()), grouped(wanted),
                               stay > 0 ? fmt::format(" ({} with three or more triangles stay)", counted(stay, "edge"))
-                                       : ", or the shape would change"),
-          .remedy = {}};
+                                       : ", or the shape would change")};
 }
 
 Note far_off_note(const SimplifyOptions& asked, const Simplified& made) {
@@ -83,8 +81,7 @@ Note far_off_note(const SimplifyOptions& asked, const Simplified& made) {
             .text = fmt::format("up to {} off, {:.1f} % of the diagonal (rms {:.2f} %): {} {} too few for all of its "
                                 "shape",
                                 length_words(made.farthest()), d.percent(made.farthest()), d.percent(made.rms()),
-                                counted(triangles, "triangle"), triangles == 1 ? "is" : "are"),
-            .remedy = {}};
+                                counted(triangles, "triangle"), triangles == 1 ? "is" : "are")};
   if (asked.triangle_shape.value_or(0) > 0)
     note.remedy = "`triangle_shape = 0` allows thinner ones, which may be closer";
   else if (!asked.error)
@@ -108,8 +105,7 @@ const OptionSchema& SimplifyOptions::schema() {
                                   .from_data = "0.3; less if necessary",
                                   .range = {0, 0.9},
                                   .old_name = "shape"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void SimplifyOptions::validate() const {
@@ -150,27 +146,21 @@ SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progr
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kSimplifyReportRows[] = {
-    reported<&SimplifyReport::vertices>({.name = "input.vertices", .text = "Vertices of the original"}),
-    reported<&SimplifyReport::triangles>({.name = "input.triangles", .text = "Triangles of the original"}),
-    reported<&SimplifyReport::joined_vertices>({.text = "Vertices merged with a coincident one"}),
-    reported<[](const SimplifyReport& r) { return r.distance.to_reference; }>(
-        {.name = "to_original", .text = "Distances from the result to the original"}),
-    reported<[](const SimplifyReport& r) { return r.distance.from_reference; }>(
-        {.name = "from_original", .text = "Distances from the original to the result"}),
-    reported<[](const SimplifyReport& r) { return r.distance.diagonal; }>(
-        {.name = "diagonal", .text = "Diagonal of the original's box", .unit = "length"}),
-    reported<&SimplifyReport::least_shape>({.text = "Least shape of new triangles"}),
-    reported<&SimplifyReport::farthest_by_shape>(
-        {.text = "Distance of the best shapes, if worse ones were used", .unit = "length"})};
-
-}  // namespace
-
 const ReportSchema& SimplifyReport::schema() {
-  static constexpr ReportSchema schema{kSimplifyReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&SimplifyReport::vertices>({.name = "input.vertices", .text = "Vertices of the original"}),
+      reported<&SimplifyReport::triangles>({.name = "input.triangles", .text = "Triangles of the original"}),
+      reported<&SimplifyReport::joined_vertices>({.text = "Vertices merged with a coincident one"}),
+      reported<[](const SimplifyReport& r) { return r.distance.to_reference; }>(
+          {.name = "to_original", .text = "Distances from the result to the original"}),
+      reported<[](const SimplifyReport& r) { return r.distance.from_reference; }>(
+          {.name = "from_original", .text = "Distances from the original to the result"}),
+      reported<[](const SimplifyReport& r) { return r.distance.diagonal; }>(
+          {.name = "diagonal", .text = "Diagonal of the original's box", .unit = "length"}),
+      reported<&SimplifyReport::least_shape>({.text = "Least shape of new triangles"}),
+      reported<&SimplifyReport::farthest_by_shape>(
+          {.text = "Distance of the best shapes, if worse ones were used", .unit = "length"})};
+  return report_schema<rows>();
 }
 
 std::vector<std::string> summary_of(const SimplifyResult& made) {

@@ -35,8 +35,7 @@ void note_start(const SoftBody& body, std::vector<Note>& notes) {
   if (within == 0) return;
   notes.push_back({.code = "within_obstacle",
                    .text = fmt::format("{} within an obstacle: they may be thrown out at high speed",
-                                       within == 1 ? "1 vertex starts" : grouped(within) + " vertices start"),
-                   .remedy = {}});
+                                       within == 1 ? "1 vertex starts" : grouped(within) + " vertices start")});
 }
 
 void note_steps(const SimulationPlan& plan, double stable, const SimulateReport& r, std::vector<Note>& notes) {
@@ -44,8 +43,7 @@ void note_steps(const SimulationPlan& plan, double stable, const SimulateReport&
   if (plan.options.step > stable)
     notes.push_back({.code = "unstable_step",
                      .text = fmt::format("steps of {:.3g} s exceed the stability limit of {} ({:.2g} s)",
-                                         plan.options.step, plan.options.integrator, stable),
-                     .remedy = {}});
+                                         plan.options.step, plan.options.integrator, stable)});
   if (r.halvings > 0)
     notes.push_back(
         {.code = "halved",
@@ -110,24 +108,18 @@ SimulateResult simulate(const SimulationPlan& plan, const KeptMotion& kept, bool
   return with_files(plan.body_file, plan.scene_file, [&] { return simulate_plan(plan, kept, moments, progress); });
 }
 
-namespace {
-
-constexpr ReportRow kSimulateReportRows[] = {
-    reported<&SimulateReport::steps>({.text = "Steps"}),
-    reported<&SimulateReport::iterations>({.text = "Iterations of conjugate gradients"}),
-    reported<&SimulateReport::halvings>({.text = "Halvings of steps"}),
-    reported<&SimulateReport::unsettled>({.text = "Steps whose contacts would still change"}),
-    reported<&SimulateReport::shortest_step>({.text = "Shortest step", .unit = "s"}),
-    reported<&SimulateReport::most_contacts>({.text = "Most vertices in contact with obstacles"}),
-    reported<&SimulateReport::seconds>({.text = "Run time", .unit = "s"}),
-    reported<&SimulateReport::first>({.name = "energies.first", .text = "Initial energies"}),
-    reported<&SimulateReport::last>({.name = "energies.last", .text = "Final energies"})};
-
-}  // namespace
-
 const ReportSchema& SimulateReport::schema() {
-  static constexpr ReportSchema schema{kSimulateReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&SimulateReport::steps>({.text = "Steps"}),
+      reported<&SimulateReport::iterations>({.text = "Iterations of conjugate gradients"}),
+      reported<&SimulateReport::halvings>({.text = "Halvings of steps"}),
+      reported<&SimulateReport::unsettled>({.text = "Steps whose contacts would still change"}),
+      reported<&SimulateReport::shortest_step>({.text = "Shortest step", .unit = "s"}),
+      reported<&SimulateReport::most_contacts>({.text = "Most vertices in contact with obstacles"}),
+      reported<&SimulateReport::seconds>({.text = "Run time", .unit = "s"}),
+      reported<&SimulateReport::first>({.name = "energies.first", .text = "Initial energies"}),
+      reported<&SimulateReport::last>({.name = "energies.last", .text = "Final energies"})};
+  return report_schema<rows>();
 }
 
 namespace {

@@ -27,8 +27,7 @@ SmoothResult smooth(TriangleMesh mesh, const SmoothOptions& options, Progress& p
         {.code = "shortened",
          .text = fmt::format("waves of {} are too long for {} rounds: its edges are {} long on average",
                              length_words(*options.shorter_than), grouped(static_cast<std::size_t>(r.iterations)),
-                             length_words(r.mean_edge)),
-         .remedy = {}});
+                             length_words(r.mean_edge))});
   const double diagonal = bounds(result.mesh).diagonal();
   if (diagonal > 0 && r.rms_move > kFarMove * diagonal)
     result.notes.push_back(

@@ -115,10 +115,8 @@ std::vector<Note> SolidModel::open_notes() const {
   std::vector<Note> found;
   for (const auto& [name, function] : parts_->functions)
     if (is_open(function))
-      found.push_back({.code = "open",
-                       .text = "its surface bounds no solid: everything behind it in the box is used",
-                       .remedy = {},
-                       .of = name});
+      found.push_back(
+          {.code = "open", .text = "its surface bounds no solid: everything behind it in the box is used", .of = name});
   return found;
 }
 
@@ -137,16 +135,10 @@ SolidModel read_solid(const std::string& expression, Progress& progress) {
       {expression, std::move(solid), std::move(reader.files), std::move(reader.functions), std::move(reader.notes)});
 }
 
-namespace {
-
-constexpr ReportRow kSolidModelRows[] = {reported<&SolidModel::expression>({.text = "Expression"}),
-                                         reported<&SolidModel::files>({.text = "Files in the expression"})};
-
-}  // namespace
-
 const ReportSchema& SolidModel::schema() {
-  static constexpr ReportSchema schema{kSolidModelRows};
-  return schema;
+  static constexpr ReportRow rows[] = {reported<&SolidModel::expression>({.text = "Expression"}),
+                                       reported<&SolidModel::files>({.text = "Files in the expression"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -38,8 +38,7 @@ void check_parts(std::size_t parts, const SplitOptions& options, const std::stri
   if (parts < result.found)
     result.notes.push_back({.code = "small_parts",
                             .text = fmt::format("{} of fewer than {} {} dropped", counted(result.found - parts, "part"),
-                                                grouped(options.min_size), of),
-                            .remedy = {}});
+                                                grouped(options.min_size), of)});
 }
 
 SplitResult split_mesh(const TriangleMesh& mesh, const SplitOptions& options) {
@@ -61,8 +60,7 @@ SplitResult split_mesh(const TriangleMesh& mesh, const SplitOptions& options) {
   if (vertices < mesh.vertices.size())
     result.notes.push_back(
         {.code = "loose_points",
-         .text = fmt::format("{} without triangles dropped", counted(mesh.vertices.size() - vertices, "point")),
-         .remedy = {}});
+         .text = fmt::format("{} without triangles dropped", counted(mesh.vertices.size() - vertices, "point"))});
   for (std::size_t c = 0; c < meshes.size(); ++c) {
     if (triangles[c] < options.min_size) continue;
     CloudOrMesh part{PointSet{}};
@@ -98,8 +96,7 @@ const OptionSchema& SplitOptions::schema() {
                                   .from_data = "4 spacings",
                                   .range = positive()}),
       option<&O::min_size>({.text = "Drop parts of fewer triangles (or points)", .range = at_least(0)})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void SplitOptions::validate() const { validate_options(*this); }
@@ -110,19 +107,13 @@ SplitResult split(const CloudOrMesh& data, const SplitOptions& options, Progress
   return data.is_mesh ? split_mesh(data.mesh, options) : split_cloud(data.points, options, progress);
 }
 
-namespace {
-
-constexpr ReportRow kSplitResultRows[] = {
-    reported<&SplitResult::found>({.name = "parts.found", .text = "Parts, dropped ones included"}),
-    reported<&SplitResult::distance>({.name = "parts.distance",
-                                      .text = "For clouds: points no farther apart than this are connected",
-                                      .unit = "length"})};
-
-}  // namespace
-
 const ReportSchema& SplitResult::schema() {
-  static constexpr ReportSchema schema{kSplitResultRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&SplitResult::found>({.name = "parts.found", .text = "Parts, dropped ones included"}),
+      reported<&SplitResult::distance>({.name = "parts.distance",
+                                        .text = "For clouds: points no farther apart than this are connected",
+                                        .unit = "length"})};
+  return report_schema<rows>();
 }
 
 std::vector<std::string> summary_of(const SplitResult& made) {

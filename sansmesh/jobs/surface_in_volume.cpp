@@ -42,8 +42,7 @@ const OptionSchema& SurfaceInVolumeOptions::schema() {
       option<&O::value>(
           {.text = "Isovalue", .from_data = "the middle of the array's range", .excludes = "high_gradient"}),
       option_group<&O::surface>(VolumeSurfaceOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void SurfaceInVolumeOptions::validate() const {
@@ -83,8 +82,7 @@ const OptionSchema& MeshInVolumeOptions::schema() {
       option<&O::components>(
           {.text = "Components to keep: auto (all that the weights resolve), all, largest or a number",
            .unit = "choice"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void MeshInVolumeOptions::validate() const { validate_options(*this); }
@@ -109,21 +107,15 @@ PointSet points_of_surface(const SurfaceInVolume& surface, std::optional<double>
   return with_name(surface.name, [&] { return sample_volume_surface(*surface.surface, distance, progress); });
 }
 
-namespace {
-
-constexpr ReportRow kMeshInVolumeReportRows[] = {
-    reported<&MeshInVolumeReport::area>({.text = "Area of the mesh", .unit = "length²"}),
-    reported<&MeshInVolumeReport::volume>({.text = "Volume of the mesh, if it is closed", .unit = "length³"}),
-    reported<[](const MeshInVolumeReport& r) { return r.mesh.components; }>(
-        {.name = "components", .text = "Connected components of the mesh"}),
-    reported<[](const MeshInVolumeReport& r) { return r.volume.has_value(); }>(
-        {.name = "closed", .text = "Whether the mesh is closed"})};
-
-}  // namespace
-
 const ReportSchema& MeshInVolumeReport::schema() {
-  static constexpr ReportSchema schema{kMeshInVolumeReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&MeshInVolumeReport::area>({.text = "Area of the mesh", .unit = "length²"}),
+      reported<&MeshInVolumeReport::volume>({.text = "Volume of the mesh, if it is closed", .unit = "length³"}),
+      reported<[](const MeshInVolumeReport& r) { return r.mesh.components; }>(
+          {.name = "components", .text = "Connected components of the mesh"}),
+      reported<[](const MeshInVolumeReport& r) { return r.volume.has_value(); }>(
+          {.name = "closed", .text = "Whether the mesh is closed"})};
+  return report_schema<rows>();
 }
 
 namespace {
@@ -148,20 +140,14 @@ std::vector<std::string> summary_of(const SurfaceInVolume& s, const VolumeModel&
                                        : std::string())};
 }
 
-namespace {
-
-constexpr ReportRow kSurfaceInVolumeRows[] = {
-    reported<[](const SurfaceInVolume& r) { return told_if(!is_steep(r), r.value); }>(
-        {.name = "value", .text = "Isovalue", .unit = "unit of the array"}),
-    reported<&SurfaceInVolume::report>({.name = "surface", .text = "Surface and its samples"}),
-    reported<[](const SurfaceInVolume& r) { return is_steep(r) ? "high-gradient" : "isovalue"; }>(
-        {.name = "surface.kind", .text = "Kind of the surface"})};
-
-}  // namespace
-
 const ReportSchema& SurfaceInVolume::schema() {
-  static constexpr ReportSchema schema{kSurfaceInVolumeRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const SurfaceInVolume& r) { return told_if(!is_steep(r), r.value); }>(
+          {.name = "value", .text = "Isovalue", .unit = "unit of the array"}),
+      reported<&SurfaceInVolume::report>({.name = "surface", .text = "Surface and its samples"}),
+      reported<[](const SurfaceInVolume& r) { return is_steep(r) ? "high-gradient" : "isovalue"; }>(
+          {.name = "surface.kind", .text = "Kind of the surface"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

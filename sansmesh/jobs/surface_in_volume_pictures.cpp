@@ -81,8 +81,7 @@ const OptionSchema& SurfaceInVolumeLook::schema() {
       option<&O::unit>({.text = "Unit at the colour bar: of the array, or of lengths in curvatures",
                         .unit = "unit",
                         .needs = "color_by"})};
-  static constexpr OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 std::optional<CurvatureQuantity> SurfaceInVolumeLook::curvature() const {
@@ -178,20 +177,14 @@ DrawnSurfaceInVolume draw_surface_in_volume(const SurfaceInVolume& surface, cons
   return drawn;
 }
 
-namespace {
-
-constexpr ReportRow kShownColorsRows[] = {
-    reported<&ShownColors::array>({.text = "Array shown by colours"}),
-    reported<[](const ShownColors& r) { return r.colors.range().first; }>(
-        {.name = "lower", .text = "Value of the first colour", .unit = "unit of the array"}),
-    reported<[](const ShownColors& r) { return r.colors.range().second; }>(
-        {.name = "upper", .text = "Value of the last colour", .unit = "unit of the array"})};
-
-}  // namespace
-
 const ReportSchema& ShownColors::schema() {
-  static constexpr ReportSchema schema{kShownColorsRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&ShownColors::array>({.text = "Array shown by colours"}),
+      reported<[](const ShownColors& r) { return r.colors.range().first; }>(
+          {.name = "lower", .text = "Value of the first colour", .unit = "unit of the array"}),
+      reported<[](const ShownColors& r) { return r.colors.range().second; }>(
+          {.name = "upper", .text = "Value of the last colour", .unit = "unit of the array"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -105,35 +105,29 @@ std::vector<std::string> summary_of(const VolumeAdvice& advice) {
           titled("reconstruction", fmt::format("{}, since it is {}", offer.suited.method, offer.suited.why))};
 }
 
-namespace {
-
-constexpr ReportRow kVolumeAdviceRows[] = {
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.array); }>(
-        {.name = "array", .text = "Selected array"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.samples); }>(
-        {.name = "samples", .text = "Samples of the array"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.left_out); }>(
-        {.name = "left_out",
-         .text = "Median error of predicting a sample by its neighbours, for degrees 0 to 3",
-         .unit = "share of the range"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.left_out_rms); }>(
-        {.name = "left_out_rms", .text = "Root mean square of these errors", .unit = "share of the range"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.noise); }>(
-        {.name = "noise", .text = "Upper bound of the noise", .unit = "share of the range"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.steps); }>(
-        {.name = "steps", .text = "Share of the samples next to steps", .unit = "share"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.resolved()); }>(
-        {.name = "resolved", .text = "Whether the samples resolve the quantity"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, std::string(r.offer.suited.method)); }>(
-        {.name = "method", .text = "Recommended method"}),
-    reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.suited.why); }>(
-        {.name = "why", .text = "Reason for the method"})};
-
-}  // namespace
-
 const ReportSchema& VolumeAdvice::schema() {
-  static constexpr ReportSchema schema{kVolumeAdviceRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.array); }>(
+          {.name = "array", .text = "Selected array"}),
+      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.samples); }>(
+          {.name = "samples", .text = "Samples of the array"}),
+      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.left_out); }>(
+          {.name = "left_out",
+           .text = "Median error of predicting a sample by its neighbours, for degrees 0 to 3",
+           .unit = "share of the range"}),
+      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.left_out_rms); }>(
+          {.name = "left_out_rms", .text = "Root mean square of these errors", .unit = "share of the range"}),
+      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.noise); }>(
+          {.name = "noise", .text = "Upper bound of the noise", .unit = "share of the range"}),
+      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.steps); }>(
+          {.name = "steps", .text = "Share of the samples next to steps", .unit = "share"}),
+      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.resolved()); }>(
+          {.name = "resolved", .text = "Whether the samples resolve the quantity"}),
+      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, std::string(r.offer.suited.method)); }>(
+          {.name = "method", .text = "Recommended method"}),
+      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.suited.why); }>(
+          {.name = "why", .text = "Reason for the method"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -35,22 +35,6 @@ VolumeInfo contents_of(const VolumeModel& volume, Progress& progress) {
   return info;
 }
 
-constexpr ReportRow kHeldReconstructionRows[] = {
-    reported<[](const HeldReconstruction& r) { return printable(r.array); }>({.name = "array", .text = "Array"}),
-    reported<[](const HeldReconstruction& r) { return r.options.method; }>({.name = "method", .text = "Method"}),
-    reported<[](const HeldReconstruction& r) { return r.options.degree; }>(
-        {.name = "degree", .text = "Highest degree of polynomials"}),
-    reported<[](const HeldReconstruction& r) { return r.options.radius; }>(
-        {.name = "radius", .text = "Radius of supports", .unit = "spacings"}),
-    reported<[](const HeldReconstruction& r) { return r.options.epsilon; }>(
-        {.name = "epsilon", .text = "Shape parameter of the functions, small is smooth"}),
-    reported<[](const HeldReconstruction& r) { return r.options.order; }>({.name = "order", .text = "Order"}),
-    reported<[](const HeldReconstruction& r) { return r.options.iterations; }>(
-        {.name = "iterations", .text = "Corrections by residuals"}),
-    reported<[](const HeldReconstruction& r) { return r.options.spherical.value_or(false); }>(
-        {.name = "spherical", .text = "Whether supports are balls"}),
-    reported<&HeldReconstruction::by_degree>({.text = "Polynomials of each degree"})};
-
 /// Row for a member of VolumeFacts.
 template <auto member>
 constexpr ReportRow fact(const ReportFacts& facts) {
@@ -58,61 +42,71 @@ constexpr ReportRow fact(const ReportFacts& facts) {
 }
 
 using F = VolumeFacts;
-constexpr ReportRow kVolumeInfoRows[] = {
-    reported<&VolumeInfo::format>({.text = "Format of the file"}),
-    fact<&F::grid>({.name = "grid", .text = "Description of the grid"}),
-    fact<&F::blocks>({.name = "blocks", .text = "Blocks"}),
-    fact<&F::levels>({.name = "levels", .text = "Levels of refinement"}),
-    fact<&F::points>({.name = "points", .text = "Points of the file"}),
-    fact<&F::cells>({.name = "cells", .text = "Cells of the file"}),
-    reported<&VolumeInfo::samples>({.text = "Samples"}),
-    reported<[](const VolumeInfo& r) { return r.in_cells ? "cells" : "points"; }>(
-        {.name = "values_of", .text = "Location of the values: points or cells"}),
-    reported<[](const VolumeInfo& r) { return r.box.lower; }>(
-        {.name = "lower", .text = "Lower corner of the box", .unit = "length"}),
-    reported<[](const VolumeInfo& r) { return r.box.upper; }>(
-        {.name = "upper", .text = "Upper corner of the box", .unit = "length"}),
-    fact<&F::least_spacing>(
-        {.name = "spacing.least", .text = "Least distance between neighbouring samples", .unit = "length"}),
-    fact<&F::median_spacing>(
-        {.name = "spacing.median", .text = "Median distance between neighbouring samples", .unit = "length"}),
-    fact<&F::most_spacing>(
-        {.name = "spacing.most", .text = "Largest distance between neighbouring samples", .unit = "length"}),
-    fact<&F::aspect>({.name = "aspect", .text = "Largest ratio of longest to shortest edge of a cell"}),
-    fact<&F::parts>({.name = "parts", .text = "Number of connected components"}),
-    fact<&F::merged>({.name = "merged", .text = "Points that coincide with another"}),
-    fact<&F::hidden>({.name = "hidden", .text = "Blanked, covered and ghost points or cells"}),
-    fact<&F::overlapped>({.name = "overlapped", .text = "Samples dropped where a finer block is"}),
-    fact<&F::degenerate>({.name = "degenerate", .text = "Cells without volume"}),
-    fact<&F::inverted>({.name = "inverted", .text = "Inverted cells that were reoriented"}),
-    fact<&F::not_finite>({.name = "not_finite", .text = "Points that are not finite"}),
-    fact<&F::layer>({.name = "layer", .text = "Thickness given to a single layer, or 0", .unit = "length"}),
-    reported<&VolumeInfo::arrays>({.text = "Arrays"}),
-    reported<&VolumeInfo::fitted>({.name = "reconstruction", .text = "Reconstruction stored in a fitted volume"}),
-    reported<&VolumeInfo::times>({.text = "Times of the steps"}),
-    reported<&VolumeInfo::file_notes>({.name = "notes", .text = "Notes on reading the file"})};
 
 }  // namespace
 
 const ReportSchema& HeldReconstruction::schema() {
-  static constexpr ReportSchema schema{kHeldReconstructionRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const HeldReconstruction& r) { return printable(r.array); }>({.name = "array", .text = "Array"}),
+      reported<[](const HeldReconstruction& r) { return r.options.method; }>({.name = "method", .text = "Method"}),
+      reported<[](const HeldReconstruction& r) { return r.options.degree; }>(
+          {.name = "degree", .text = "Highest degree of polynomials"}),
+      reported<[](const HeldReconstruction& r) { return r.options.radius; }>(
+          {.name = "radius", .text = "Radius of supports", .unit = "spacings"}),
+      reported<[](const HeldReconstruction& r) { return r.options.epsilon; }>(
+          {.name = "epsilon", .text = "Shape parameter of the functions, small is smooth"}),
+      reported<[](const HeldReconstruction& r) { return r.options.order; }>({.name = "order", .text = "Order"}),
+      reported<[](const HeldReconstruction& r) { return r.options.iterations; }>(
+          {.name = "iterations", .text = "Corrections by residuals"}),
+      reported<[](const HeldReconstruction& r) { return r.options.spherical.value_or(false); }>(
+          {.name = "spherical", .text = "Whether supports are balls"}),
+      reported<&HeldReconstruction::by_degree>({.text = "Polynomials of each degree"})};
+  return report_schema<rows>();
 }
 
 const ReportSchema& VolumeInfo::schema() {
-  static constexpr ReportSchema schema{kVolumeInfoRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&VolumeInfo::format>({.text = "Format of the file"}),
+      fact<&F::grid>({.name = "grid", .text = "Description of the grid"}),
+      fact<&F::blocks>({.name = "blocks", .text = "Blocks"}),
+      fact<&F::levels>({.name = "levels", .text = "Levels of refinement"}),
+      fact<&F::points>({.name = "points", .text = "Points of the file"}),
+      fact<&F::cells>({.name = "cells", .text = "Cells of the file"}),
+      reported<&VolumeInfo::samples>({.text = "Samples"}),
+      reported<[](const VolumeInfo& r) { return r.in_cells ? "cells" : "points"; }>(
+          {.name = "values_of", .text = "Location of the values: points or cells"}),
+      reported<[](const VolumeInfo& r) { return r.box.lower; }>(
+          {.name = "lower", .text = "Lower corner of the box", .unit = "length"}),
+      reported<[](const VolumeInfo& r) { return r.box.upper; }>(
+          {.name = "upper", .text = "Upper corner of the box", .unit = "length"}),
+      fact<&F::least_spacing>(
+          {.name = "spacing.least", .text = "Least distance between neighbouring samples", .unit = "length"}),
+      fact<&F::median_spacing>(
+          {.name = "spacing.median", .text = "Median distance between neighbouring samples", .unit = "length"}),
+      fact<&F::most_spacing>(
+          {.name = "spacing.most", .text = "Largest distance between neighbouring samples", .unit = "length"}),
+      fact<&F::aspect>({.name = "aspect", .text = "Largest ratio of longest to shortest edge of a cell"}),
+      fact<&F::parts>({.name = "parts", .text = "Number of connected components"}),
+      fact<&F::merged>({.name = "merged", .text = "Points that coincide with another"}),
+      fact<&F::hidden>({.name = "hidden", .text = "Blanked, covered and ghost points or cells"}),
+      fact<&F::overlapped>({.name = "overlapped", .text = "Samples dropped where a finer block is"}),
+      fact<&F::degenerate>({.name = "degenerate", .text = "Cells without volume"}),
+      fact<&F::inverted>({.name = "inverted", .text = "Inverted cells that were reoriented"}),
+      fact<&F::not_finite>({.name = "not_finite", .text = "Points that are not finite"}),
+      fact<&F::layer>({.name = "layer", .text = "Thickness given to a single layer, or 0", .unit = "length"}),
+      reported<&VolumeInfo::arrays>({.text = "Arrays"}),
+      reported<&VolumeInfo::fitted>({.name = "reconstruction", .text = "Reconstruction stored in a fitted volume"}),
+      reported<&VolumeInfo::times>({.text = "Times of the steps"}),
+      reported<&VolumeInfo::file_notes>({.name = "notes", .text = "Notes on reading the file"})};
+  return report_schema<rows>();
 }
 
 VolumeInfo volume_info(const VolumeModel& volume, Progress& progress) {
   VolumeInfo info = contents_of(volume, progress);
   const VolumeFacts& f = info.facts;
   const auto note = [&](const char* code, std::string text) {
-    info.notes.push_back({.code = code,
-                          .text = std::move(text),
-                          .remedy = {},
-                          .severity = Note::Severity::information,
-                          .of = volume.name()});
+    info.notes.push_back(
+        {.code = code, .text = std::move(text), .severity = Note::Severity::information, .of = volume.name()});
   };
   const auto add = [&](const char* code, std::size_t n, const char* what, const char* text) {
     if (n > 0) note(code, fmt::format("{} {}", counted(n, what), text));

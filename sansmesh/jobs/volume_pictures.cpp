@@ -72,8 +72,7 @@ const OptionSchema& VolumePicturesOptions::schema() {
       option<&O::bar>({.text = "Omit the colour bar"}),
       option<&O::unit>({.text = "Unit of the array at the colour bar"}),
       option<&O::frames>(kTurntable)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void VolumePicturesOptions::validate() const {

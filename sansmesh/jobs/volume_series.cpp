@@ -62,8 +62,7 @@ VolumeSeries open_volume_series(const std::vector<std::string>& files, const Vol
 const ReportSchema& VolumeSeries::schema() {
   static constexpr ReportRow rows[] = {
       reported<[](const VolumeSeries& r) { return r.steps.size(); }>({.name = "steps", .text = "Steps in time"})};
-  static constexpr ReportSchema schema{rows};
-  return schema;
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -59,8 +59,7 @@ const OptionSchema& VolumeModelOptions::schema() {
                          .from_data = "a scalar"}),
       option_group<&O::reconstruction>(ReconstructionOptions::schema().rows),
       option_group<&O::read>(VolumeReadOptions::schema().rows)};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void VolumeModelOptions::validate() const {
@@ -263,24 +262,18 @@ std::vector<std::string> summary_of(const VolumeModel& volume, Progress& progres
           fmt::format("{}: {} ({})", volume.name(), counted(samples->size(), "sample"), samples->facts.grid)};
 }
 
-namespace {
-
-constexpr ReportRow kVolumeUseRows[] = {
-    reported<&VolumeUse::format>({.text = "Format of the file"}),
-    reported<&VolumeUse::array>({.text = "Array"}),
-    reported<[](const VolumeUse& r) { return told_if(!r.method.empty(), r.method); }>(
-        {.name = "method", .text = "Method of reconstruction"}),
-    reported<[](const VolumeUse& r) { return told_if(!r.why.empty(), r.why); }>(
-        {.name = "why", .text = "Reason for the method, if it was chosen automatically"}),
-    reported<&VolumeUse::samples>({.text = "Samples"}),
-    reported<&VolumeUse::grid>({.text = "Description of the grid"}),
-    reported<&VolumeUse::notes>({.text = "Notes on the values"})};
-
-}  // namespace
-
 const ReportSchema& VolumeUse::schema() {
-  static constexpr ReportSchema schema{kVolumeUseRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<&VolumeUse::format>({.text = "Format of the file"}),
+      reported<&VolumeUse::array>({.text = "Array"}),
+      reported<[](const VolumeUse& r) { return told_if(!r.method.empty(), r.method); }>(
+          {.name = "method", .text = "Method of reconstruction"}),
+      reported<[](const VolumeUse& r) { return told_if(!r.why.empty(), r.why); }>(
+          {.name = "why", .text = "Reason for the method, if it was chosen automatically"}),
+      reported<&VolumeUse::samples>({.text = "Samples"}),
+      reported<&VolumeUse::grid>({.text = "Description of the grid"}),
+      reported<&VolumeUse::notes>({.text = "Notes on the values"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1
