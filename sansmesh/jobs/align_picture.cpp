@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/inspect.h"
 #include "sansmesh/render/picture_surfaces.h"
 
@@ -19,8 +20,7 @@ Image draw_alignment(const AlignResult& aligned, RenderOptions picture, Progress
   for (const TriangleMesh* const mesh : {&aligned.moved, aligned.fixed.get()}) {
     picture.look.surface_color = mesh == &aligned.moved ? kMovedColor : kFixedColor;
     surfaces.push_back(surface_in_picture(*mesh, picture));
-    for (const Vec3f& p : mesh->vertices)
-      if (is_finite(p)) places.push_back(mesh->origin + Vec3(p));
+    add_finite_points(mesh->origin, mesh->vertices, places);
   }
   return render_surfaces(surfaces, places, false, picture, progress);
 }

@@ -22,14 +22,18 @@ namespace sansmesh::inline v1 {
 struct ColorBar {
   TransferFunction colors;
   std::string title;
-  BarEnds ends;
+  BarEnds ends = {};
+  std::vector<double> marks = {};
+
+  /// Width in pixels beside a picture of that height.
+  int width(int height) const { return value_bar_width(height, colors, title); }
 };
 /// Bar of curvatures up to `range`, in the input's lengths. `beyond`: there are larger ones.
 ColorBar curvature_bar(CurvatureQuantity quantity, double range, const std::string& unit, bool beyond);
 /// A range whose numbers take the most space at a bar.
 inline constexpr double kWidestNumbers = 1.2e-100;
-/// Throws ArgumentError unless the picture has space for a bar of that width in pixels; `what` names the bar.
-void check_room_beside(const RenderOptions& picture, int bar, std::string_view what);
+/// Throws ArgumentError unless the picture has space for the bar, which errors call `what`.
+void check_room_beside(const RenderOptions& picture, const ColorBar& bar, std::string_view what);
 /// Reserves space for a bar in the width of the picture. Throws ArgumentError if there is none.
 void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar);
 /// One number per row; the length for vectors.

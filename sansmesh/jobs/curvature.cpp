@@ -120,7 +120,7 @@ void show_curvature(CurvedInput& made, const CurvatureMapOptions& options, Curva
     Vec3f color{0.5f, 0.5f, 0.5f};
     if (made.curvatures[i].defined)
       color = diverging_color(scale > 0 ? curvature_quantity(made.curvatures[i], options.color_by) / scale : 0);
-    made.points.colors[i] = {to_byte(color.x), to_byte(color.y), to_byte(color.z)};
+    made.points.colors[i] = to_bytes(color);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/folds.h"
 #include "sansmesh/deform/handle_shapes.h"
@@ -54,11 +55,6 @@ void add_corners(const Box3& box, std::vector<Vec3>& places) {
         {(c & 1 ? box.upper : box.lower).x, (c & 2 ? box.upper : box.lower).y, (c & 4 ? box.upper : box.lower).z});
 }
 
-void add_vertices(const TriangleMesh& mesh, std::vector<Vec3>& places) {
-  for (const Vec3f& v : mesh.vertices)
-    if (is_finite(v)) places.push_back(mesh.origin + Vec3(v));
-}
-
 std::vector<Vec3> places_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,
                                   bool unknown_as_before) {
   std::vector<Vec3> places;
@@ -80,11 +76,7 @@ Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions&
     Box3 box;
     for (const Vec3& p : places) box.extend(p);
     const TriangleMesh shapes = deformation.handle_shapes_at(share, box.diagonal());
-    Box3 of_handles;
-    std::vector<Vec3> vertices;
-    add_vertices(shapes, vertices);
-    for (const Vec3& p : vertices) of_handles.extend(p);
-    add_corners(of_handles, places);
+    add_corners(finite_bounds(shapes.origin, shapes.vertices), places);
     surfaces.push_back(surface_in_picture(shapes, picture));
   }
   if (options.draw_folds && !folds.triangles.empty()) surfaces.push_back(surface_in_picture(folds, picture));

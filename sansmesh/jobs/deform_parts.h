@@ -30,7 +30,6 @@ class FoldWatch {
 /// The box enlarged on all sides by a share of its diagonal.
 Box3 with_room(const Box3& box, double share);
 void add_corners(const Box3& box, std::vector<Vec3>& places);
-void add_vertices(const TriangleMesh& mesh, std::vector<Vec3>& places);
 /// Points whose bounding box contains all poses: of the first, the middle and the last.
 std::vector<Vec3> places_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,
                                   bool unknown_as_before);

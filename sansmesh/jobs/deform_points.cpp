@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/deform/open_mesh.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/deform_parts.h"
@@ -20,9 +21,7 @@ constexpr std::array<std::uint8_t, 3> kFoldedColor{222, 30, 30}, kUsualColor{222
 
 /// Colours vertices red where the map reverses orientation.
 void color_folded(TriangleMesh& mesh, const SpaceMap& map) {
-  std::vector<Vec3> x;
-  x.reserve(mesh.vertices.size());
-  for (const Vec3f& p : mesh.vertices) x.push_back(mesh.origin + Vec3(p));
+  const std::vector<Vec3> x = world_points(mesh.origin, mesh.vertices);
   std::vector<Jacobian> jacobians(x.size());
   map.query({.points = x}, {.gradients = jacobians});
   if (mesh.colors.empty()) mesh.colors.assign(x.size(), kUsualColor);
@@ -102,7 +101,7 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
       continue;
     }
     std::vector<Vec3> places = framed;
-    if (places.empty()) add_vertices(moved, places);
+    if (places.empty()) add_finite_points(moved.origin, moved.vertices, places);
     use(k, with_name(name, [&] {
           return DeformedPicture{picture_of_pose({surface_in_picture(moved, options.look.picture)}, options,
                                                  deformation, options.share(k), std::move(places), {}, progress)};

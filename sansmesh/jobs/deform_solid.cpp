@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/deform/open_mesh.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/ball_union.h"
@@ -151,7 +152,7 @@ class SolidPoses {
     r.mesh_of_open = true, r.vertices = mesh.vertices.size(), r.triangles = mesh.triangles.size();
     if (aim_ != DeformAim::picture) return mesh;
     std::vector<Vec3> places = framed_;
-    if (places.empty()) add_vertices(mesh, places);
+    if (places.empty()) add_finite_points(mesh.origin, mesh.vertices, places);
     return DeformedPicture{picture_of_pose({surface_in_picture(mesh, options_.look.picture)}, options_, deformation_,
                                            share, std::move(places), {}, progress_)};
   }
@@ -178,7 +179,7 @@ class SolidPoses {
     }
     const TriangleMesh mesh = mesh_csg(field, o, progress_);
     std::vector<Vec3> places = framed_;
-    if (places.empty()) add_vertices(mesh, places);
+    if (places.empty()) add_finite_points(mesh.origin, mesh.vertices, places);
     const auto with = [&](PictureSurface surface) {
       return picture_of_pose({std::move(surface)}, options_, deformation_, share, std::move(places), folded, progress_);
     };

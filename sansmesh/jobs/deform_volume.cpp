@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/dataset/resample_volume.h"
 #include "sansmesh/deform/cut_map.h"
 #include "sansmesh/deform/displacement_map.h"
@@ -134,7 +135,7 @@ class VolumePoses {
     subject.image = plain.image;
     subject.field = &field;
     std::vector<Vec3> places, framed = framed_;
-    if (outside) add_vertices(*outside, places);
+    if (outside) add_finite_points(outside->origin, outside->vertices, places);
     subject.places = places;
     if (framed.empty() && torn) add_corners(deformation_.box_of(maps, before_).value_or(box), framed);
     subject.framed = framed;

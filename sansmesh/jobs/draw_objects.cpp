@@ -8,9 +8,11 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
+#include "sansmesh/jobs/turntable.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/tubes.h"
 #include "sansmesh/pictures.h"
@@ -140,8 +142,7 @@ class ObjectScene {
       cloud.positions = mesh.vertices;
       apart = 4 * look.picture.look.point_radius.value_or(estimate_spacing(cloud));  // discs of one sheet
     }
-    for (const Vec3f& p : mesh.vertices)
-      if (is_finite(p)) places.push_back(mesh.origin + Vec3(p));
+    add_finite_points(mesh.origin, mesh.vertices, places);
     return {kind, look, surface_in_picture(mesh, look.picture),
             look.picture.look.use_colors ? mean_of(mesh.colors) : look.picture.look.surface_color, apart};
   }
@@ -174,14 +175,11 @@ void draw_objects(std::vector<PictureObject> objects, const PictureOptions& o, c
         fmt::format("`width = {}` is too narrow: the legend takes {} of it; `legend = false` leaves it out",
                     picture.view.width, beside));
   picture.view.width -= beside;
-  std::size_t number = 0;
-  for (const ViewDirection& view : turntable(picture.view.direction, o.frames.value_or(1))) {
-    picture.view.direction = view;
-    Image image = render_surfaces(scene.surfaces, scene.places, o.translucent(), picture, progress);
-    const Image paper = paper_beside(picture);
-    if (listed) image = beside_legend(image, scene.legend, &paper);
-    use(number++, image, picture);
-  }
+  draw_turntable(picture, o.frames, use, [&](const RenderOptions& one) {
+    Image image = render_surfaces(scene.surfaces, scene.places, o.translucent(), one, progress);
+    const Image paper = paper_beside(one);
+    return listed ? beside_legend(image, scene.legend, &paper) : image;
+  });
 }
 
 void leave_out_outliers(PointSet& points, const std::string& name, std::vector<Note>& notes, Progress& progress) {

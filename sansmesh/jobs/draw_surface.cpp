@@ -8,6 +8,7 @@
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
 #include "sansmesh/jobs/splat_points.h"
+#include "sansmesh/jobs/turntable.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/model/surface_model.h"
@@ -118,12 +119,10 @@ void paint_all(const PictureOptions& o, const SurfaceModel& model, std::optional
   look.picture.view.steady = o.frames.has_value();
   RenderOptions made_with = look.picture;
   made_with.look.curvature = nullptr;  // does not outlive the model
-  std::size_t number = 0;
-  for (const ViewDirection& view : turntable(look.picture.view.direction, o.frames.value_or(1))) {
-    look.picture.view.direction = made_with.view.direction = view;
-    const Image image = painter.paint(look, progress);
-    use(number++, beside_bar(image, bar, look.picture), made_with);
-  }
+  draw_turntable(made_with, o.frames, use, [&](const RenderOptions& one) {
+    look.picture.view = one.view;
+    return beside_bar(painter.paint(look, progress), bar, look.picture);
+  });
   painter.report(report);
 }
 

@@ -6,6 +6,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/option_text.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/error.h"
 #include "sansmesh/flow.h"
 #include "sansmesh/flow/flow_lines.h"
@@ -41,9 +42,7 @@ void carry_along(const std::vector<CarriedArray>& arrays, const VolumeModel& vol
                  Progress& progress) {
   PolylineSet& lines = result.lines;
   progress.begin("carry arrays", arrays.size());
-  std::vector<Vec3> x;
-  x.reserve(lines.positions.size());
-  for (const Vec3f& p : lines.positions) x.push_back(lines.origin + Vec3(p));
+  const std::vector<Vec3> x = world_points(lines.origin, lines.positions);
   for (const CarriedArray& array : arrays) {
     const auto field = volume.field(array.choice, progress, result.notes);
     std::vector<double> values(x.size() * field->components());

@@ -1,6 +1,6 @@
 #include "sansmesh/jobs/flow_model.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +12,7 @@
 
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/dataset/volume_flow.h"
 #include "sansmesh/error.h"
 #include "sansmesh/flow.h"
@@ -40,9 +41,9 @@ constexpr double kGib = 1024.0 * 1024 * 1024;
 constexpr std::string_view kTimeInterpolations[] = {"constant", "linear", "cubic"};
 
 std::string flow_names() {
-  std::string names;
-  for (const AnalyticFlow& f : analytic_flows()) names += fmt::format("{}{}", names.empty() ? "" : ", ", f.name);
-  return names;
+  std::vector<std::string_view> names;
+  for (const AnalyticFlow& f : analytic_flows()) names.push_back(f.name);
+  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 bool is_formula(const std::string& name) {
@@ -58,11 +59,11 @@ ArrayChoice vectors_of(const VolumeModel& volume, const std::string& array) {
   for (const std::size_t components : {std::size_t{3}, std::size_t{2}})
     for (const DatasetArray& a : arrays)
       if (a.components == components) return {a.name, {}, false};
-  std::string names;
-  for (const DatasetArray& a : arrays)
-    names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", a.name, a.components);
-  throw DataError(volume.name() + ": " +
-                  (names.empty() ? "holds no arrays" : "holds no vectors; its arrays and their components: " + names));
+  std::vector<std::string> names;
+  for (const DatasetArray& a : arrays) names.push_back(fmt::format("{} ({})", a.name, a.components));
+  throw DataError(names.empty() ? volume.name() + ": has no arrays"
+                                : fmt::format("{}: has no vectors; its arrays and their components: {}", volume.name(),
+                                              fmt::join(names, ", ")));
 }
 
 /// A quarter of the memory available to the process, in bytes.
@@ -181,7 +182,7 @@ Seeds FlowModel::seeds(const std::string& text, std::size_t usual, std::vector<N
   if (seeds.file.empty()) return seeds;
   if (seeds.mesh) {
     const TriangleMesh surface = read_mesh(seeds.file);
-    for (const Vec3f& v : surface.vertices) seeds.points.push_back(surface.origin + Vec3(v));
+    seeds.points = world_points(surface.origin, surface.vertices);
   } else {
     seeds.points = read_point_table(seeds.file);
   }

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/flow_model.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
@@ -30,13 +31,6 @@ constexpr int kLeastBesideBars = 100;   // least width of the picture beside the
 constexpr double kArrowSpacing = 0.06;  // share of the surface's diagonal
 constexpr double kArrowLength = 0.7;    // share of their distance
 constexpr Vec3f kArrowColor{0.13f, 0.12f, 0.12f};
-
-/// The drawn surface, with the meaning of its colours.
-struct ColoredSurface {
-  FlowSubject subject;
-  std::optional<TransferFunction> colors;
-  std::string title;
-};
 
 /// Array of the colours, if it is one. Throws ArgumentError.
 std::optional<ArrayChoice> color_array(const FlowModel& flow, const std::string& by) {
@@ -141,7 +135,7 @@ class SurfacePictures {
       if (const auto view = view_of_layer(box, picture_.view.up)) picture_.view.direction = *view;
     color_surface(color);
     leave_room();
-    sheet_ = std::make_unique<DrawnFlow>(std::move(drawn_.subject), picture_);
+    sheet_ = std::make_unique<DrawnFlow>(std::move(subject_), picture_);
   }
 
   void stand_beside(std::vector<PictureSurface> beside) {
@@ -165,8 +159,7 @@ class SurfacePictures {
     Image image = around_ ? around_->render(picture, std::move(surfaces), progress_)
                           : render_surfaces(surfaces, places_, options_.opacity < 1, picture, progress_);
     if (!options_.title.empty()) draw_title(image, options_.title);
-    const Image paper = paper_beside(picture);
-    return bar_ ? beside_value_bar(image, *drawn_.colors, drawn_.title, {}, &paper) : image;
+    return beside_bar(image, bar_, picture);
   }
 
   const RenderOptions& picture() const { return picture_; }
@@ -191,16 +184,15 @@ class SurfacePictures {
 
   void color_surface(const std::optional<ArrayChoice>& array) {
     const std::string& by = options_.color_by;
-    drawn_ = {{surface_.mesh, {}, {}}, {}, with_unit(options_.label.empty() ? by : options_.label, options_.unit)};
-    FlowSubject& subject = drawn_.subject;
+    subject_ = {surface_.mesh, {}, {}};
     double fastest = 0;
     for (const FlowPoint& p : surface_.points) fastest = std::max(fastest, norm(p.velocity));
     for (const FlowPoint& p : surface_.points) {
-      subject.vectors.push_back(fastest > 0 ? Vec3f(p.velocity / fastest) : Vec3f{});
-      subject.fronts.push_back(p.front);
+      subject_.vectors.push_back(fastest > 0 ? Vec3f(p.velocity / fastest) : Vec3f{});
+      subject_.fronts.push_back(p.front);
     }
     const std::vector<double> values = color_values(array);
-    subject.mesh.colors.clear();
+    subject_.mesh.colors.clear();
     if (values.empty()) return;
     ValueHistogram histogram = value_histogram(values);
     if (by != "time" && by != "seed") {
@@ -209,20 +201,16 @@ class SurfacePictures {
       histogram.most = std::min(histogram.most, histogram.upper);
     }
     const bool signs = histogram.least < 0 && histogram.most > 0 && by != "time";
-    drawn_.colors = signs ? transfer_function_preset("diverging", histogram) : light_colors(histogram);
-    subject.mesh.colors.reserve(values.size());
-    for (const double v : values) {
-      const Vec3f c = drawn_.colors->color(v);
-      subject.mesh.colors.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z)});
-    }
+    const TransferFunction colors = signs ? transfer_function_preset("diverging", histogram) : light_colors(histogram);
+    for (const double v : values) subject_.mesh.colors.push_back(to_bytes(colors.color(v)));
+    if (options_.bar) bar_ = {colors, with_unit(options_.label.empty() ? by : options_.label, options_.unit)};
   }
 
   /// Reserves the width of the bars.
   void leave_room() {
     result_.width = picture_.view.width, result_.height = picture_.view.height;
-    bar_ = drawn_.colors && options_.bar;
-    const int bars = (bar_ ? value_bar_width(picture_.view.height, *drawn_.colors, drawn_.title) : 0) +
-                     (around_ ? around_->bar_width(picture_.view.height) : 0);
+    const int height = picture_.view.height;
+    const int bars = (bar_ ? bar_->width(height) : 0) + (around_ ? around_->bar_width(height) : 0);
     if (bars > 0 && picture_.view.width < bars + kLeastBesideBars)
       throw ArgumentError(
           fmt::format("`width = {}` is too narrow: colour bars take {} of it", picture_.view.width, bars));
@@ -236,8 +224,8 @@ class SurfacePictures {
   std::unique_ptr<VolumeAround> around_;
   FlowSurface surface_;
   std::vector<Vec3> places_;
-  ColoredSurface drawn_;
-  bool bar_ = false;
+  FlowSubject subject_;
+  std::optional<ColorBar> bar_;
   std::vector<PictureSurface> beside_;
   std::unique_ptr<DrawnFlow> sheet_;
   FlowPicturesResult result_;

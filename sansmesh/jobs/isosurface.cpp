@@ -8,6 +8,7 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/option_text.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/error.h"
 #include "sansmesh/isosurfaces.h"
@@ -36,9 +37,7 @@ std::vector<std::string> arrays_to_carry(const VolumeModel& volume, const std::s
 void carry_along(const std::vector<std::string>& wanted, const VolumeModel& volume, VolumeIsosurfaceResult& result,
                  Progress& progress) {
   TriangleMesh& mesh = result.mesh;
-  std::vector<Vec3> x;
-  x.reserve(mesh.vertices.size());
-  for (const Vec3f& v : mesh.vertices) x.push_back(mesh.origin + Vec3(v));
+  const std::vector<Vec3> x = world_points(mesh.origin, mesh.vertices);
   for (const std::string& name : wanted) {
     ReconstructionOptions options;
     options.method = is_real(dataset_of(volume).array(name).type) ? "linear" : "nearest";

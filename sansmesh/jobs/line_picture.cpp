@@ -106,9 +106,10 @@ void LinePictureOptions::validate(const std::string& usual) const {
   picture.validate();
   ValueHistogram widest;  // no range has wider numbers
   widest.lower = -kWidestNumbers, widest.upper = kWidestNumbers;
-  const int bar = value_bar_width(picture.view.height, transfer_function_preset("diverging", widest),
-                                  with_unit((color_by.empty() ? usual : color_by) + kMagnitude, unit));
-  check_room_beside(picture, bar, "colour bar");
+  check_room_beside(picture,
+                    {transfer_function_preset("diverging", widest),
+                     with_unit((color_by.empty() ? usual : color_by) + kMagnitude, unit)},
+                    "colour bar");
 }
 
 void LinePictureOptions::check_color(const std::vector<std::string>& arrays) const {
@@ -137,24 +138,20 @@ LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& opt
   TriangleMesh mesh = tubes_around(lines, drawn.radius);
   drawn.triangles = mesh.triangles.size();
   const std::vector<std::uint32_t>& points = *mesh.attributes.find<std::uint32_t>("point");
-  const TransferFunction colors = colors_for(mesh, points, values);
-  std::tie(drawn.lower, drawn.upper) = colors.range();
+  ColorBar bar{colors_for(mesh, points, values),
+               with_unit(drawn.color_by + (array->components > 1 ? kMagnitude : ""), options.unit)};
+  std::tie(drawn.lower, drawn.upper) = bar.colors.range();
   mesh.colors.resize(points.size());
-  parallel_for(0, points.size(), 4096, [&](std::size_t v) {
-    const Vec3f c = colors.color(values[points[v]]);
-    mesh.colors[v] = {to_byte(c.x), to_byte(c.y), to_byte(c.z)};
-  });
+  parallel_for(0, points.size(), 4096,
+               [&](std::size_t v) { mesh.colors[v] = to_bytes(bar.colors.color(values[points[v]])); });
 
   RenderOptions picture = look_for(options, box);
-  const std::string title = with_unit(drawn.color_by + (array->components > 1 ? kMagnitude : ""), options.unit);
-  picture.view.width -= value_bar_width(picture.view.height, colors, title);
-  BarEnds ends;
   for (const std::uint32_t p : points) {
-    ends.below = ends.below || values[p] < drawn.lower;
-    ends.above = ends.above || values[p] > drawn.upper;
+    bar.ends.below = bar.ends.below || values[p] < drawn.lower;
+    bar.ends.above = bar.ends.above || values[p] > drawn.upper;
   }
-  const Image paper = paper_beside(picture);
-  drawn.image = beside_value_bar(render_mesh(mesh, picture, progress), colors, title, {}, &paper, ends);
+  leave_room(picture, bar);
+  drawn.image = beside_bar(render_mesh(mesh, picture, progress), bar, picture);
   drawn.made_with = picture;
   return drawn;
 }

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/dynamics/tet_embedding.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/io.h"
@@ -60,11 +61,7 @@ void Motion::add(double time, const std::vector<Vec3>& positions, const std::vec
 }
 
 std::vector<Vec3> Motion::positions(std::size_t frame) const {
-  const std::vector<Vec3f>& kept = state_->positions[frame];
-  std::vector<Vec3> x;
-  x.reserve(kept.size());
-  for (const Vec3f& p : kept) x.push_back(origin() + Vec3(p));
-  return x;
+  return world_points(origin(), state_->positions[frame]);
 }
 
 CarriedSurface::CarriedSurface(const TetMesh& rest) {
@@ -75,10 +72,7 @@ CarriedSurface::CarriedSurface(const TetMesh& rest) {
 
 CarriedSurface::CarriedSurface(const TetMesh& rest, TriangleMesh surface) {
   State state{.surface = std::move(surface)};
-  std::vector<Vec3> x;
-  x.reserve(state.surface.vertices.size());
-  for (const Vec3f& p : state.surface.vertices) x.push_back(state.surface.origin + Vec3(p));
-  state.embedding.emplace(rest, x);
+  state.embedding.emplace(rest, world_points(state.surface.origin, state.surface.vertices));
   for (const Vec3f& n : state.surface.normals) state.normals.push_back(Vec3(n));
   state_ = std::make_shared<const State>(std::move(state));
 }

@@ -63,10 +63,6 @@ TriangleMesh ball_mesh(const Vec3& center, double radius) {
   return m;
 }
 
-void color_obstacle(TriangleMesh& mesh, const Vec3f& c) {
-  mesh.colors.assign(mesh.vertices.size(), {to_byte(c.x), to_byte(c.y), to_byte(c.z)});
-}
-
 /// Part of a plane below the motion.
 TriangleMesh floor_mesh(const FloorObstacle& floor, const Box3& box) {
   const Vec3 n = normalized(floor.normal);
@@ -155,7 +151,7 @@ void MotionPictures::show(Motion motion) {
   for (const Vec3& p : farthest.points()) box.extend(p);
   for (const SphereObstacle& sphere : scene.spheres) {
     s.obstacles.push_back(ball_mesh(sphere.center, sphere.radius));
-    color_obstacle(s.obstacles.back(), kSphereColor);
+    s.obstacles.back().colors.assign(s.obstacles.back().vertices.size(), to_bytes(kSphereColor));
     // Spheres larger than the motion do not affect the frame.
     if (2 * sphere.radius < box.diagonal())
       for (int k = 0; k < 6; ++k) {
@@ -166,7 +162,7 @@ void MotionPictures::show(Motion motion) {
   }
   for (const FloorObstacle& f : scene.floors) {
     s.obstacles.push_back(floor_mesh(f, box));
-    color_obstacle(s.obstacles.back(), kFloorColor);
+    s.obstacles.back().colors.assign(s.obstacles.back().vertices.size(), to_bytes(kFloorColor));
   }
   s.framed = farthest.points();
   if (scene.floors.empty()) return;

@@ -8,10 +8,6 @@
 
 namespace sansmesh::inline v1 {
 
-/// Text and range of the option `frames` of static pictures.
-inline constexpr OptionFacts kTurntable{
-    .text = "Turntable: so many pictures around the up axis, NAME_000.png, …", .unit = "count", .range = {2, 100000}};
-
 /// Name of the attribute, and value of `color_by`.
 inline constexpr const char* kConfidence = "confidence";
 inline constexpr const char *kAutoColor = "auto", *kOwnColor = "own";

@@ -2,6 +2,7 @@
 
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/core/number_words.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/field/level_set_curvature.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/functions.h"
@@ -61,11 +62,7 @@ ProbeFunctionResult probe_function(const SurfaceFunction& probed, std::span<cons
   return result;
 }
 
-std::vector<Vec3> places_of(const PointSet& points) {
-  std::vector<Vec3> places(points.size());
-  for (std::size_t i = 0; i < places.size(); ++i) places[i] = points.origin + Vec3(points.positions[i]);
-  return places;
-}
+std::vector<Vec3> places_of(const PointSet& points) { return world_points(points.origin, points.positions); }
 
 std::vector<std::string> summary_of(const ProbeFunctionResult& probed) {
   const ProbeFunctionReport& r = probed.report;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/error.h"
 #include "sansmesh/image.h"
 #include "sansmesh/model/sample_surface.h"
@@ -26,16 +27,12 @@ SplatPoints spread_splats(const SurfaceModel& model, std::size_t count, const Co
   points = resample_surface(model, count, {}, progress);
   if (points.size() == 0) throw DataError("no point of the surface was found");
   move_from_input(points, model.place());
+  points.colors.clear();
   if (colors) {
-    std::vector<Vec3> x;
-    x.reserve(points.size());
-    for (const Vec3f& p : points.positions) x.push_back(points.origin + Vec3(p));
+    const std::vector<Vec3> x = world_points(points.origin, points.positions);
     std::vector<Vec3f> found(x.size());
     colors->evaluate(x, found);
-    points.colors.clear();
-    for (const Vec3f& c : found) points.colors.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z)});
-  } else {
-    points.colors.clear();
+    for (const Vec3f& c : found) points.colors.push_back(to_bytes(c));
   }
   progress.begin("curvature");
   // The points are on the surface, so they have no noise.

@@ -8,7 +8,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/isosurfaces.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/jobs/picture_checks.h"
+#include "sansmesh/jobs/turntable.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/render/picture_notes.h"
 #include "sansmesh/render/surface_caster.h"
@@ -168,11 +168,10 @@ DrawnSurfaceInVolume draw_surface_in_volume(const SurfaceInVolume& surface, cons
   drawn.colors = pictures.colors();
   const std::optional<ColorBar> bar = bar_beside(look, drawn.colors);
   leave_room(options.picture, bar);
-  std::size_t frame = 0;
-  for (const ViewDirection& view : turntable(picture.view.direction, look.frames.value_or(1))) {
-    options.picture.view.direction = view;
-    use(frame++, beside_bar(pictures.render(options, progress), bar, options.picture), options.picture);
-  }
+  draw_turntable(options.picture, look.frames, use, [&](const RenderOptions& one) {
+    options.picture = one;
+    return beside_bar(pictures.render(options, progress), bar, one);
+  });
   drawn.rays = pictures.counts();
   return drawn;
 }

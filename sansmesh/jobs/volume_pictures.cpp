@@ -5,7 +5,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/jobs/picture_checks.h"
+#include "sansmesh/jobs/turntable.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/tubes.h"
@@ -53,7 +53,7 @@ struct VolumePictures::State {
   std::unique_ptr<VolumePicture> picture;
   VolumePictureReport report;
   std::vector<Note> notes;
-  int frames = 1;
+  std::optional<int> frames;
 };
 
 const OptionSchema& VolumePicturesOptions::schema() {
@@ -91,7 +91,7 @@ VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOp
   s.look = options.look;
   VolumePictureOptions& look = s.look;
   look.color_bar = options.bar, look.picture.view.steady = options.frames.has_value();
-  s.frames = options.frames.value_or(1);
+  s.frames = options.frames;
   if (options.baked) look.picture.quality.samples = 1, look.step = 1.5, look.least_light = 0.01;
   s.samples = volume.samples(progress);
   s.field = volume.field(volume.as_scalar(volume.choice()), progress, s.notes);
@@ -136,12 +136,8 @@ Image VolumePictures::render(const ViewDirection& view, Progress& progress) {
 }
 
 void VolumePictures::render(const UsePicture& use, Progress& progress) {
-  RenderOptions made_with = look().picture;
-  std::size_t frame = 0;
-  for (const ViewDirection& view : turntable(made_with.view.direction, state_->frames)) {
-    made_with.view.direction = view;
-    use(frame++, render(view, progress), made_with);
-  }
+  draw_turntable(look().picture, state_->frames, use,
+                 [&](const RenderOptions& one) { return render(one.view.direction, progress); });
 }
 
 const VolumePictureReport& VolumePictures::report() const { return state_->report; }
