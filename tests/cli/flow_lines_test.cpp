@@ -281,7 +281,7 @@ TEST_F(FlowLinesTool, SaysWhatIsWrongInOneLine) {
     EXPECT_FALSE(std::filesystem::exists(path("x.vtp")));
   };
   refused({path("still.mhd")}, "zero at all seeds");
-  refused({path("points.csv")}, "holds no vectors");
+  refused({path("points.csv")}, "has no vectors");
   refused({"rotation", "--seeds", "point(9,0,0)"}, "no seed lies in the flow");
   refused({"rotation", "--seeds", "line(1,2)"}, "line(ax,ay,az");
   refused({"nowhere"}, "no flow by formula");

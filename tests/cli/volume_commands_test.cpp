@@ -86,7 +86,7 @@ TEST_F(VolumeTool, AdviseHasNothingToSayOfBareLattices) {
   write("bare.p3d", "2 2 2\n0 1 0 1 0 1 0 1\n0 0 1 1 0 0 1 1\n0 0 0 0 2 2 2 2\n");
   const Outcome outcome = run({"advise", "data", "bare.p3d"});
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_NE(outcome.err.find("sansmesh: bare.p3d: holds no arrays"), std::string::npos) << outcome.err;
+  EXPECT_NE(outcome.err.find("sansmesh: bare.p3d: has no arrays"), std::string::npos) << outcome.err;
 }
 
 TEST_F(VolumeTool, EveryCommandThatAdviseNamesRuns) {
