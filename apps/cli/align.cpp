@@ -83,12 +83,9 @@ Command add_align(CommandLine& app) {
   CommandLine& c = app.add_subcommand("align", "Cloud or mesh → the same, moved onto another surface");
   auto a = std::make_shared<AlignArguments>();
   a->moving.files.resize(1);
-  c.add_option("moving", a->moving.files[0], "Surface to move: mesh, points, or function (.smf)")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
-  c.add_option("fixed", a->fixed.files, "Fixed surface: mesh, points, or function; several files are read as one")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
+  add_surface_input(c, "moving", a->moving.files[0], "Surface to move: mesh, points, or function (.smf)");
+  add_surface_input(c, "fixed", a->fixed.files,
+                    "Fixed surface: mesh, points, or function; several files are read as one");
   add_class_options(c, a->fixed, " of the fixed surface");
   c.add_option("-o,--output", a->output.file, "Moved surface with all attributes: formats of meshes or of points")
       .writes(endings_written(kMesh | kPoints));

@@ -65,10 +65,15 @@ PointSet CloudInput::read(Console& console, ReadReport& report) const {
   return points;
 }
 
+template <class Files>
+void add_surface_input(CommandLine& c, const std::string& name, Files& files, const std::string& what) {
+  c.add_option(name, files, what).reads(endings_read(kPoints | kFunction)).required();
+}
+template void add_surface_input(CommandLine&, const std::string&, std::string&, const std::string&);
+template void add_surface_input(CommandLine&, const std::string&, std::vector<std::string>&, const std::string&);
+
 void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what, bool as_one) {
-  c.add_option("input", input.files, what + (as_one ? "; several (tiles) are read as one" : ""))
-      .reads(endings_read(kPoints | kFunction))
-      .required();
+  add_surface_input(c, "input", input.files, what + (as_one ? "; several (tiles) are read as one" : ""));
   add_class_options(c, input);
 }
 

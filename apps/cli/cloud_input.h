@@ -45,6 +45,9 @@ auto naming(const std::string& file, const Console& console, Call call) {
   }
 }
 
+/// Adds a surface (mesh, points or function), as a positional argument. Files is a text or a vector of texts.
+template <class Files>
+void add_surface_input(CommandLine& command, const std::string& name, Files& files, const std::string& what);
 /// Adds --class and --without-class. `of`: the cloud, for commands that read several: " of the reference".
 void add_class_options(CommandLine& command, CloudInput& input, const std::string& of = "");
 /// Adds the files, --class and --without-class. `what` describes the files; `as_one`: several files form one cloud.

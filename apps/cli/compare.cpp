@@ -86,13 +86,9 @@ Command add_compare(CommandLine& app) {
   CommandLine& c = app.add_subcommand("compare", "Two surfaces → signed distances as numbers, colours and a picture");
   auto a = std::make_shared<CompareArguments>();
   a->part.files.resize(1);
-  c.add_option("part", a->part.files[0], "Manufactured part: mesh, points, or function (.smf)")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
-  c.add_option("reference", a->reference.files,
-               "Nominal shape: mesh, points, or function (.smf); several files are read as one")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
+  add_surface_input(c, "part", a->part.files[0], "Manufactured part: mesh, points, or function (.smf)");
+  add_surface_input(c, "reference", a->reference.files,
+                    "Nominal shape: mesh, points, or function (.smf); several files are read as one");
   add_class_options(c, a->reference, " of the reference");
   c.add_option("-o,--output", a->output,
                "Map to write, with distances as quality and as colours: .ply .vtp .glb (others: colours)")

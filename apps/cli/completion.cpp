@@ -1,6 +1,6 @@
 #include "completion.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <map>
@@ -43,18 +43,12 @@ std::vector<const OptionEntry*> places_of(const CommandLine& command) {
   return list;
 }
 
-std::string joined(const std::vector<std::string>& words, const std::string& between) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
-}
-
 /// "ply|obj" for the matching endings; empty if all files match.
 std::string endings_pattern(const OptionEntry& option) {
   std::vector<std::string> bare;
   bare.reserve(option.endings.size());
   for (const std::string& ending : option.endings) bare.push_back(ending.substr(1));
-  return joined(bare, "|");
+  return fmt::format("{}", fmt::join(bare, "|"));
 }
 
 std::string in_single_quotes(const std::string& text, const std::string& quote) {
@@ -100,7 +94,7 @@ complete -F _sansmesh sansmesh
 
 /// Completion action for the value of an option; empty if there is none.
 std::string bash_action(const OptionEntry& option) {
-  if (!option.words.empty()) return fmt::format("_sansmesh_words '{}'", joined(option.words, " "));
+  if (!option.words.empty()) return fmt::format("_sansmesh_words '{}'", fmt::join(option.words, " "));
   if (option.is_file()) return fmt::format("_sansmesh_files '{}'", endings_pattern(option));
   return "";
 }
@@ -123,7 +117,7 @@ std::string zsh_text(const std::string& text) {
 std::string zsh_value(const OptionEntry& option) {
   std::string action = " ";
   if (!option.words.empty()) {
-    action = "(" + joined(option.words, " ") + ")";
+    action = fmt::format("({})", fmt::join(option.words, " "));
   } else if (option.is_file()) {
     const std::string endings = endings_pattern(option);
     action = endings.empty() ? "_files" : fmt::format("_files -g \"*.(#i)({})(.gz|)\"", endings);
@@ -132,7 +126,7 @@ std::string zsh_value(const OptionEntry& option) {
 }
 
 std::string zsh_option(const OptionEntry& option) {
-  const std::string names = joined(option.names, " ");
+  const std::string names = fmt::format("{}", fmt::join(option.names, " "));
   const std::string once = option.repeated ? "*" : "(" + names + ")";
   std::string text;
   for (const std::string& name : option.names) {
@@ -202,7 +196,7 @@ complete -c sansmesh -f
 )";
 
 std::string fish_words(const OptionEntry& option) {
-  if (!option.words.empty()) return "-a " + in_single_quotes(joined(option.words, " "), "\\'");
+  if (!option.words.empty()) return "-a " + in_single_quotes(fmt::format("{}", fmt::join(option.words, " ")), "\\'");
   if (option.is_file()) return fmt::format("-a '(__sansmesh_files \"{}\")'", endings_pattern(option));
   return "";
 }
@@ -236,7 +230,7 @@ std::string bash_completion(const CommandLine& root) {
   std::vector<std::string> names;
   for (const auto& [name, command] : commands)
     if (!name.empty()) names.push_back("'" + name + "'");
-  text += "      " + joined(names, "|") + ") command=$word ;;\n    esac\n  done\n";
+  text += fmt::format("      {}) command=$word ;;\n    esac\n  done\n", fmt::join(names, "|"));
   // Options with the same completion share one line.
   std::map<std::string, std::vector<std::string>> values;
   for (const auto& [name, command] : commands)
@@ -246,13 +240,13 @@ std::string bash_completion(const CommandLine& root) {
           values[bash_action(*option)].push_back(fmt::format("'{} {}'", name, flag));
   text += "  case \"$command $previous\" in\n";
   for (const auto& [action, patterns] : values)
-    text += fmt::format("    {})\n      {}return ;;\n", joined(patterns, "|"), action.empty() ? "" : action + "; ");
+    text += fmt::format("    {})\n      {}return ;;\n", fmt::join(patterns, "|"), action.empty() ? "" : action + "; ");
   text += "  esac\n  if [[ $current == -* ]]; then\n    case $command in\n";
   for (const auto& [name, command] : commands) {
     std::vector<std::string> flags;
     for (const OptionEntry* option : typed_options(*command))
       flags.insert(flags.end(), option->names.begin(), option->names.end());
-    text += fmt::format("      '{}') _sansmesh_words '{}' ;;\n", name, joined(flags, " "));
+    text += fmt::format("      '{}') _sansmesh_words '{}' ;;\n", name, fmt::join(flags, " "));
   }
   text += "    esac\n    return\n  fi\n  case $command in\n";
   for (const auto& [name, command] : commands) {
@@ -260,7 +254,7 @@ std::string bash_completion(const CommandLine& root) {
     if (!command->commands().empty()) {
       std::vector<std::string> further;
       for (const auto& c : command->commands()) further.push_back(c->name());
-      action = fmt::format("_sansmesh_words '{}'", joined(further, " "));
+      action = fmt::format("_sansmesh_words '{}'", fmt::join(further, " "));
     } else if (const auto places = places_of(*command); !places.empty()) {
       action = bash_action(*places.back());
     }
@@ -282,7 +276,7 @@ std::string fish_completion(const CommandLine& root) {
   std::vector<std::string> names;
   for (const auto& [name, command] : commands)
     if (!name.empty()) names.push_back("'" + name + "'");
-  std::string text = "set -g __sansmesh_commands " + joined(names, " ") + "\n" + kFishBegin;
+  std::string text = fmt::format("set -g __sansmesh_commands {}\n{}", fmt::join(names, " "), kFishBegin);
   for (const auto& [name, command] : commands) text += fish_lines(name, *command);
   return text;
 }

@@ -3,7 +3,6 @@
 
 #include <fmt/core.h>
 
-#include <limits>
 #include <memory>
 #include <utility>
 
@@ -148,14 +147,11 @@ Command add_deform(CommandLine& app) {
   add_schema(c, a.options, {.group = "Cuts", .only = {"cut_open"}});
 
   add_schema(c, a.options, {.group = "Meshes", .only = {"refine"}});
-  c.add_flag("--ascii", a.ascii, "Write text where the format also has a binary form").group("Meshes");
+  add_ascii_flag(c, a.ascii, "Meshes");
 
   const char* const functions = "Functions and solids";
   add_schema(c, a.options, {.group = functions, .only = {"resolution", "cell", "simplify", "components", "plane"}});
-  c.add_option("--unit", a.unit, "mm, cm or in: the drawing is true to scale")
-      .type_name("UNIT")
-      .one_of({"mm", "cm", "in"})
-      .group(functions);
+  add_drawing_unit(c, a.unit, functions);
   add_schema(c, a.options, {.only = {"box"}});
 
   add_raw_options(c, a.input.read);
@@ -163,10 +159,7 @@ Command add_deform(CommandLine& app) {
   const char* const volumes = "Volumes";
   c.add_flag("--all-arrays", a.all_arrays, "Deform all arrays of the same samples (.vti)").group(volumes);
   add_schema(c, a.options, {.group = volumes, .only = {"size", "outside", "map_nodes"}});
-  c.add_flag_callback(
-       "--nan", [&a] { a.options.lattice.outside = std::numeric_limits<double>::quiet_NaN(); },
-       "Set values outside the volume to NaN: --outside nan")
-      .group(volumes);
+  add_nan_flag(c, a.options.lattice.outside, volumes);
   a.colors.add_options(c, volumes);
   add_schema(c, a.options.look, {.group = volumes, .only = {"clip", "shading"}});
   a.options.look.color_bar = true;

@@ -77,7 +77,7 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
 Command add_diagnose(CommandLine& app) {
   CommandLine& c = app.add_subcommand("diagnose", "Function file → doubtful regions, a picture, and proposed edits");
   auto a = std::make_shared<DiagnoseArguments>();
-  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
+  add_function_input(c, a->input);
   c.add_option("--script-output", a->script, "Write a script for `sansmesh edit`, one step per region: .json")
       .once_called("--script")
       .writes({".json"});

@@ -72,7 +72,7 @@ Command add_edit(CommandLine& app) {
   CommandLine& c =
       app.add_subcommand("edit", "Function file → function file, with parts refitted, smoothed or removed");
   auto a = std::make_shared<EditArguments>();
-  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
+  add_function_input(c, a->input);
   c.add_option("--script", a->script, "Edits as JSON, see below").reads({".json"}).required();
   c.add_option("-o,--output", a->output, "Function to write: .smf").writes({".smf"});
   c.add_option(

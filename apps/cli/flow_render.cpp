@@ -53,7 +53,7 @@ Command add_flow_render(CommandLine& flow) {
   auto shared = std::make_shared<FlowRenderArguments>();
   FlowRenderArguments& a = *shared;
   add_flow_surface_input(c, a.input, a.options.trace);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
+  add_picture_output(c, a.output);
   add_schema(c, a.options,
              {.group = "Look",
               .only = {"streaks", "streak_length", "streak_width", "streak_contrast", "splats", "opacity", "arrows",

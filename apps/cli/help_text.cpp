@@ -1,6 +1,6 @@
 #include "help_text.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
@@ -47,8 +47,7 @@ std::string place_words(const OptionEntry& option) {
 }  // namespace
 
 std::string option_words(const OptionEntry& o) {
-  std::string text;
-  for (const std::string& name : o.names) text += (text.empty() ? "" : ", ") + name;
+  const std::string text = fmt::format("{}", fmt::join(o.names, ", "));
   if (o.positional()) return o.several ? text + " ..." : text;
   if (o.kind == OptionEntry::Kind::flag) return text;
   return text + (o.implied ? " [" + o.value_name + "]" : " " + o.value_name);

@@ -1,6 +1,6 @@
 #include "manual_page.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
@@ -72,9 +72,7 @@ std::string option_lines(const OptionEntry& o) {
   if (!o.words.empty() && std::any_of(o.words.begin(), o.words.end(), [&](const std::string& word) {
         return o.what.find(word) == std::string::npos;
       })) {
-    text += "One of";
-    for (std::size_t i = 0; i < o.words.size(); ++i) text += (i == 0 ? " " : ", ") + roff(o.words[i]);
-    text += ".\n";
+    text += "One of " + roff(fmt::format("{}", fmt::join(o.words, ", "))) + ".\n";
   }
   return text;
 }
@@ -104,9 +102,8 @@ std::string manual_page(const CommandLine& command, const std::string& version) 
     for (const OptionEntry* option : group.options) text += option_lines(*option);
   }
   if (const std::string remarks = remarks_of(command); !remarks.empty()) text += ".SH NOTES\n" + verbatim(remarks);
-  std::string examples;
-  for (const std::string& example : examples_of(command)) examples += (examples.empty() ? "" : "\n") + example;
-  if (!examples.empty()) text += ".SH EXAMPLES\n" + verbatim(examples);
+  if (const auto examples = examples_of(command); !examples.empty())
+    text += ".SH EXAMPLES\n" + verbatim(fmt::format("{}", fmt::join(examples, "\n")));
   text +=
       ".SH EXIT STATUS\n0: success. 1: error in a file or its data. 2: error in the command line. 130: interrupted.\n";
   if (command.parent()) text += ".SH SEE ALSO\n\\fB" + roff(dashed(*command.parent())) + "\\fR(1)\n";

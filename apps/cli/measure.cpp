@@ -34,11 +34,9 @@ void run_measure(const CloudInput& input, Console& console) {
 Command add_measure(CommandLine& app) {
   CommandLine& c = app.add_subcommand("measure", "Mesh or function → area, volume, centre of mass, moments, size");
   auto input = std::make_shared<CloudInput>();
-  c.add_option(
-       "input", input->files,
-       "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume (measured by their mesh); several meshes are one body")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
+  add_surface_input(
+      c, "input", input->files,
+      "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume (measured by their mesh); several meshes are one body");
   c.footer(
       "Volumes need a closed surface. Coincident borders, edge on edge, count as joined. Components are\n"
       "listed with --json, up to a thousand of them.\n\n"

@@ -46,7 +46,7 @@ void run_mesh(MeshArguments& a, Console& console) {
 Command add_mesh(CommandLine& app) {
   CommandLine& c = app.add_subcommand("mesh", "Function file → triangle mesh, closed where it bounds a solid");
   auto a = std::make_shared<MeshArguments>();
-  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
+  add_function_input(c, a->input);
   add_mesh_output(c, a->output);
   add_mesh_options(c, a->options);
   add_schema(c, a->options, {.only = {"box"}});

@@ -47,9 +47,7 @@ Command add_normals(CommandLine& app) {
   auto shared = std::make_shared<NormalsArguments>();
   NormalsArguments& a = *shared;
   add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
-  c.add_option("-o,--output", a.output, "Points to write: " + listed_endings(endings_written(kPoints)))
-      .writes(endings_written(kPoints))
-      .required();
+  add_points_output(c, a.output);
   add_ascii_flag(c, a.ascii);
   add_schema(c, a.options);
   c.footer(std::string(kReadable) +

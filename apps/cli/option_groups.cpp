@@ -1,5 +1,6 @@
 #include "option_groups.h"
 
+#include <limits>
 #include <vector>
 
 #include "mesh_words.h"
@@ -23,8 +24,36 @@ std::vector<Vec3> places_at(const std::vector<double>& v) {
   return places;
 }
 
-void add_ascii_flag(CommandLine& c, bool& ascii) {
-  c.add_flag("--ascii", ascii, "Write text where the format also has a binary form");
+void add_function_input(CommandLine& c, std::string& file) {
+  c.add_option("input", file, "Function, .smf").reads({".smf"}).required();
+}
+
+void add_picture_output(CommandLine& c, std::string& file) {
+  c.add_option("-o,--output", file, "Picture to write: .png").writes({".png"}).required();
+}
+
+void add_points_output(CommandLine& c, std::string& file) {
+  c.add_option("-o,--output", file, "Points to write: " + listed_endings(endings_written(kPoints)))
+      .writes(endings_written(kPoints))
+      .required();
+}
+
+void add_ascii_flag(CommandLine& c, bool& ascii, const std::string& group) {
+  c.add_flag("--ascii", ascii, "Write text where the format also has a binary form").group(group);
+}
+
+void add_nan_flag(CommandLine& c, double& outside, const std::string& group) {
+  c.add_flag_callback(
+       "--nan", [&outside] { outside = std::numeric_limits<double>::quiet_NaN(); },
+       "Set values outside the volume to NaN: --outside nan")
+      .group(group);
+}
+
+void add_drawing_unit(CommandLine& c, std::string& unit, const std::string& group) {
+  c.add_option("--unit", unit, "Unit that makes the drawing true to scale: mm, cm or in")
+      .type_name("UNIT")
+      .one_of({"mm", "cm", "in"})
+      .group(group);
 }
 
 void MeshOutput::check() const {

@@ -24,8 +24,18 @@ void require(bool ok, const char* message);
 /// Points of --at, given as three numbers each. Throws ArgumentError unless all are finite.
 std::vector<Vec3> places_at(const std::vector<double>& numbers);
 
-/// --ascii
-void add_ascii_flag(CommandLine& command, bool& ascii);
+/// Adds the file of a function, as a positional argument.
+void add_function_input(CommandLine& command, std::string& file);
+/// Adds --output for a picture.
+void add_picture_output(CommandLine& command, std::string& file);
+/// Adds --output for points.
+void add_points_output(CommandLine& command, std::string& file);
+/// Adds --ascii.
+void add_ascii_flag(CommandLine& command, bool& ascii, const std::string& group = "Options");
+/// Adds --nan, which sets the values outside a volume to NaN.
+void add_nan_flag(CommandLine& command, double& outside, const std::string& group = "Options");
+/// Adds --unit for drawings.
+void add_drawing_unit(CommandLine& command, std::string& unit, const std::string& group = "Options");
 /// Mesh output of a command, with an optional picture.
 struct MeshOutput {
   std::string file, preview;

@@ -1,6 +1,6 @@
 #include "option_values.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -72,11 +72,9 @@ std::string number_wanted(const OptionEntry& o, const std::string& word) {
 
 void check_value(const OptionEntry& o, const std::string& word) {
   if (!o.words.empty()) {
-    for (const std::string& known : o.words)
-      if (known == word) return;
-    std::string list;
-    for (const std::string& known : o.words) list += (list.empty() ? "" : ", ") + known;
-    throw ValueError("must be one of " + list + ", not " + in_quotes(word) + did_you_mean(word, o.words));
+    if (std::find(o.words.begin(), o.words.end(), word) != o.words.end()) return;
+    throw ValueError(fmt::format("must be one of {}, not {}{}", fmt::join(o.words, ", "), in_quotes(word),
+                                 did_you_mean(word, o.words)));
   }
   if (o.kind != OptionEntry::Kind::whole && o.kind != OptionEntry::Kind::real) return;
   const double value = parse_real(word);

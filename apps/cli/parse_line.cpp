@@ -1,6 +1,6 @@
 #include "parse_line.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
@@ -28,11 +28,7 @@ bool begins_like_a_number(const std::string& word) {
          !std::filesystem::exists(word, ignored);
 }
 
-std::string joined_by_commas(const std::vector<std::string>& parts) {
-  std::string text;
-  for (const std::string& part : parts) text += (text.empty() ? "" : ",") + part;
-  return text;
-}
+std::string joined_by_commas(const std::vector<std::string>& parts) { return fmt::format("{}", fmt::join(parts, ",")); }
 
 std::vector<std::string> names_of_commands(const CommandLine& line) {
   std::vector<std::string> names;

@@ -1,8 +1,6 @@
 // Command `probe`: value, gradient and curvature of a function at points.
 #include "sansmesh/functions.h"
 
-#include <fmt/core.h>
-
 #include "cloud_input.h"
 #include "commands.h"
 #include "option_groups.h"
@@ -65,7 +63,7 @@ Command add_probe(CommandLine& app) {
   CommandLine& c = app.add_subcommand("probe", "Function file → its value, gradient and curvature at points");
   c.once_called("eval");
   auto a = std::make_shared<ProbeArguments>();
-  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
+  add_function_input(c, a->input);
   c.add_option("--points", a->points.files, "File of query points; may be repeated (tiles)")
       .reads(endings_read(kPoints))
       .repeated();

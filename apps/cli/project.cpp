@@ -62,9 +62,7 @@ Command add_project(CommandLine& app) {
   auto shared = std::make_shared<ProjectArguments>();
   ProjectArguments& a = *shared;
   add_cloud_input(c, a.input, "Points to move");  // --class selects among the samples of --onto, if given
-  c.add_option("-o,--output", a.output, "Points to write: " + listed_endings(endings_written(kPoints)))
-      .writes(endings_written(kPoints))
-      .required();
+  add_points_output(c, a.output);
   c.add_option("--onto", a.onto.files,
                "Samples of the surface; may be repeated (tiles) [the input itself, which denoises]")
       .reads(endings_read(kPoints))

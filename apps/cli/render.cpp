@@ -104,13 +104,11 @@ Command add_render(CommandLine& app) {
   CommandLine& c = app.add_subcommand("render", "Mesh, points or function → picture");
   auto shared = std::make_shared<RenderArguments>();
   RenderArguments& a = *shared;
-  c.add_option(
-       "input", a.input.files,
-       "Meshes, points or functions (.smf): several are separate objects, unless --as-one or --surface is given")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
+  add_surface_input(
+      c, "input", a.input.files,
+      "Meshes, points or functions (.smf): several are separate objects, unless --as-one or --surface is given");
   add_class_options(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
+  add_picture_output(c, a.output);
   add_picture_options(c, a.picture);
   add_background_option(c, a.picture);
   add_schema(c, a.picture.options, {.group = "Picture", .only = {"smooth", "shadows", "antialiasing", "point_radius"}});

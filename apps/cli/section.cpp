@@ -64,16 +64,12 @@ void run_section(const SectionArguments& a, Console& console) {
 Command add_section(CommandLine& app) {
   CommandLine& c = app.add_subcommand("section", "Mesh or function → cross-sections by planes");
   auto a = std::make_shared<SectionArguments>();
-  c.add_option("input", a->input.files,
-               "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume; several meshes are cut as one")
-      .reads(endings_read(kPoints | kFunction))
-      .required();
+  add_surface_input(c, "input", a->input.files,
+                    "Mesh, function (.smf) or DATA[NAME=VALUE] of a volume; several meshes are cut as one");
   c.add_option("-o,--output", a->output, "Drawing (.svg) or table of vertices (.csv) to write")
       .writes({".svg", ".csv"});
   add_schema(c, a->options);
-  c.add_option("--unit", a->unit, "Unit that makes the drawing true to scale: mm, cm or in")
-      .type_name("UNIT")
-      .one_of({"mm", "cm", "in"});
+  add_drawing_unit(c, a->unit);
   c.footer(
       "Without --plane and --axis: three planes through the middle of the bounding box. Holes are subtracted\n"
       "from areas. Functions are cut without a mesh.\n\n"

@@ -1,7 +1,5 @@
 #include "volume_input.h"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 
 #include "command_line.h"

@@ -80,7 +80,7 @@ Command add_volume_render(CommandLine& volume) {
   auto shared = std::make_shared<VolumeRenderArguments>();
   VolumeRenderArguments& a = *shared;
   add_volume_input(c, a.input);
-  c.add_option("-o,--output", a.output, "Picture to write: .png").writes({".png"}).required();
+  add_picture_output(c, a.output);
   a.colors.add_options(c, "Options");
   c.add_option("--save-transfer", a.save_transfer, "Also write the transfer function that was used, for --transfer")
       .writes({".json"});

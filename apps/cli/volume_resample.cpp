@@ -1,7 +1,6 @@
 // Command `volume resample`: resamples a volume on a uniform grid.
 #include "sansmesh/volumes.h"
 
-#include <limits>
 #include <string>
 
 #include "commands.h"
@@ -46,9 +45,7 @@ Command add_volume_resample(CommandLine& volume) {
       .writes({".vti", ".mhd", ".mha", ".nrrd"})
       .required();
   add_schema(c, a->options);
-  c.add_flag_callback(
-      "--nan", [a] { a->options.outside = std::numeric_limits<double>::quiet_NaN(); },
-      "Set values outside the volume to NaN: --outside nan");
+  add_nan_flag(c, a->options.outside);
   c.footer(std::string(kReadableVolumes) +
            "\n\nExamples:\n"
            "  sansmesh volume resample combustion.vts --array Density --size 256 -o density.vti\n"

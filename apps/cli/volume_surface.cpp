@@ -124,7 +124,7 @@ Command add_volume_surface(CommandLine& volume) {
   add_background_option(c, a.picture);
   add_picture_options(c, a.picture);
   add_schema(c, a.meshing, {.group = "Mesh"});
-  c.add_flag("--ascii", a.ascii, "Write text instead of binary").group("Mesh");
+  add_ascii_flag(c, a.ascii, "Mesh");
   c.footer(std::string(kReadableVolumes) +
            "\n\nExamples:\n"
            "  sansmesh volume surface head.mhd --value 1150 -o skull.png\n"

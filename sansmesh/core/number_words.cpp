@@ -15,6 +15,7 @@ std::string grouped(std::uint64_t n) {
 }
 
 std::string counted(std::uint64_t n, std::string_view noun) {
+  if (n != 1 && noun == "vertex") return grouped(n) + " vertices";
   return (grouped(n) + ' ').append(noun).append(n == 1 ? "" : "s");
 }
 

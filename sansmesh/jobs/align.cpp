@@ -2,7 +2,7 @@
 #include "sansmesh/inspect.h"
 #include "sansmesh/mesh/align_surfaces.h"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <string>
 #include <utility>
@@ -22,12 +22,10 @@ void add_alignment_notes(const SurfaceAlignment& r, const SurfaceAlignmentOption
   const auto note = [&](const char* code, std::string text, const char* remedy = "") {
     notes.push_back({.code = code, .text = std::move(text), .remedy = remedy, .of = name});
   };
-  if (r.alternatives > 0) {
-    std::string angles;
-    for (const double one : r.alternative_angles) angles += fmt::format("{}{:.0f}°", angles.empty() ? "" : ", ", one);
-    note("not_unique", fmt::format("the pose is not unique: {} {} as well, turned by {}",
-                                   counted(r.alternatives, "other"), r.alternatives == 1 ? "fits" : "fit", angles));
-  }
+  if (r.alternatives > 0)
+    note("not_unique",
+         fmt::format("the pose is not unique: {} {} as well, turned by {:.0f}°", counted(r.alternatives, "other"),
+                     r.alternatives == 1 ? "fits" : "fit", fmt::join(r.alternative_angles, "°, ")));
   if (r.free_motions > 0)
     note("free_motions", fmt::format("the surfaces do not determine {}: they can slide on each other",
                                      counted(static_cast<std::size_t>(r.free_motions), "motion")));

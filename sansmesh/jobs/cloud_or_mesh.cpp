@@ -66,8 +66,7 @@ CloudOrMesh::CloudOrMesh(PointSet read) : is_mesh(!read.triangles.empty()) {
 
 std::string CloudOrMesh::size_words() const {
   if (!is_mesh) return counted(points.size(), "point");
-  return fmt::format("{} {}, {}", grouped(mesh.vertices.size()), mesh.vertices.size() == 1 ? "vertex" : "vertices",
-                     counted(mesh.triangles.size(), "triangle"));
+  return counted(mesh.vertices.size(), "vertex") + ", " + counted(mesh.triangles.size(), "triangle");
 }
 
 Box3 CloudOrMesh::bounds() const {
@@ -140,7 +139,7 @@ std::string weld_places(CloudOrMesh& data, double distance) {
   if (data.is_mesh) {
     const WeldReport report = weld_vertices(data.mesh, distance);
     data.nonmanifold_edges_of_weld += report.nonmanifold_edges;
-    return fmt::format("{} merged with others{}", counted(report.vertices, report.vertices == 1 ? "vertex" : "vertice"),
+    return fmt::format("{} merged with others{}", counted(report.vertices, "vertex"),
                        report.triangles > 0
                            ? fmt::format(", {} without area dropped", counted(report.triangles, "triangle"))
                            : std::string());

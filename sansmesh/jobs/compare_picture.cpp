@@ -4,8 +4,6 @@
 #include "sansmesh/partition/paper_options.h"
 #include "sansmesh/pictures.h"
 
-#include <fmt/core.h>
-
 #include <vector>
 
 #include "sansmesh/error.h"

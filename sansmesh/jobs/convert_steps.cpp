@@ -1,5 +1,7 @@
 #include "sansmesh/convert.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <utility>
@@ -104,13 +106,14 @@ AffineMap axes_map(std::string_view text) {
 }
 
 double meters_of_unit(std::string_view name) {
-  std::string known;
+  std::vector<std::string_view> known;
   for (const UnitOfLength& u : kUnitsOfLength) {
     if (name == u.name) return u.meters;
-    known += (known.empty() ? "" : ", ") + std::string(u.name);
+    known.push_back(u.name);
   }
-  throw ArgumentError(
-      ArgumentFault{.field = "unit", .value = "'" + printable(name, 60) + "'", .allowed = "one of " + known});
+  throw ArgumentError(ArgumentFault{.field = "unit",
+                                    .value = "'" + printable(name, 60) + "'",
+                                    .allowed = fmt::format("one of {}", fmt::join(known, ", "))});
 }
 
 std::string_view step_name(const ConvertStep& step) {

@@ -171,10 +171,7 @@ MapPicture draw_curvature(const CurvatureResult& made, const CurvatureMapOptions
 
 std::vector<std::string> summary_of(const CurvatureResult& made) {
   const CurvatureReport& r = made.report;
-  const auto words = [&](std::size_t count) {
-    if (!r.mesh) return counted(count, "sample");
-    return count == 1 ? std::string("1 vertex") : grouped(count) + " vertices";
-  };
+  const auto words = [&](std::size_t count) { return counted(count, r.mesh ? "vertex" : "sample"); };
   std::vector<std::string> lines{
       fmt::format("{}, noise {}", words(made.points.size()), length_words(r.noise)),
       fmt::format("{} curvature: 5 % below {}, half below {}, 95 % below {} ({})", quantity_word(r.color_by),

@@ -31,9 +31,7 @@ void color_folded(TriangleMesh& mesh, const SpaceMap& map) {
   }
 }
 
-std::string number_of(std::size_t n, bool vertices) {
-  return vertices ? fmt::format("{} {}", grouped(n), n == 1 ? "vertex" : "vertices") : counted(n, "point");
-}
+std::string number_of(std::size_t n, bool vertices) { return counted(n, vertices ? "vertex" : "point"); }
 
 void keep_moves(const MeshDeformReport& moves, DeformReport& r) {
   r.added = moves.added, r.fine = moves.fine, r.undefined = moves.undefined, r.turned = moves.turned;

@@ -85,7 +85,7 @@ std::string count_line(const DeformReport& r) {
     return fmt::format("{}, {} vertices in {}{}", triangles, grouped(r.vertices),
                        counted(r.solid->components, "component"), r.solid->closed ? ", closed" : ", not closed");
   if (r.triangles == 0) return counted(r.vertices, "point");
-  return fmt::format("{}, {} {}{}", triangles, grouped(r.vertices), r.vertices == 1 ? "vertex" : "vertices",
+  return fmt::format("{}, {}{}", triangles, counted(r.vertices, "vertex"),
                      r.added > 0 ? fmt::format(" ({} added)", grouped(r.added)) : "");
 }
 

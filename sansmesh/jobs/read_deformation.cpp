@@ -1,5 +1,5 @@
 // Reads deformations: handles, two registered meshes, or displacement maps.
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
@@ -20,19 +20,10 @@ namespace {
 constexpr std::size_t kUsualHandles = 30;  // for registered pairs
 constexpr double kCutRoom = 0.25;          // margin around handles in which detours around mesh cuts are found
 
-template <class List, class Write>
-std::string with_commas(const List& list, Write write) {
-  std::string text;
-  for (const auto& one : list) text += (text.empty() ? "" : ",") + write(one);
-  return text;
-}
-
 /// "before.ply,after.ply"
 struct TwoFiles {
   static constexpr auto kind = OptionKind::text;
-  static OptionValue get(const std::vector<std::string>& files) {
-    return with_commas(files, [](const std::string& file) { return file; });
-  }
+  static OptionValue get(const std::vector<std::string>& files) { return fmt::format("{}", fmt::join(files, ",")); }
   static std::vector<std::string> from(const OptionValue& value) {
     const auto& text = std::get<std::string>(value);
     return text.empty() ? std::vector<std::string>() : between_commas(text);
@@ -43,7 +34,7 @@ struct TwoFiles {
 struct VertexNumbers {
   static constexpr auto kind = OptionKind::text;
   static OptionValue get(const std::vector<std::uint32_t>& vertices) {
-    return with_commas(vertices, [](std::uint32_t v) { return std::to_string(v); });
+    return fmt::format("{}", fmt::join(vertices, ","));
   }
   static std::vector<std::uint32_t> from(const OptionValue& value) {
     std::vector<std::uint32_t> vertices;
