@@ -73,7 +73,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const ParsedLine parsed = parse_line(tool.line, words_of({reinterpret_cast<const char*>(data), size}));
     fuzz::demand(parsed.command != nullptr, "no command");
     at = parsed.command;
-    if (parsed.wish == ParsedLine::Wish::help) fuzz::demand(!help_text(*at).empty(), "no help");
+    if (parsed.action == ParsedLine::Action::help) fuzz::demand(!help_text(*at).empty(), "no help");
   } catch (const UsageError& error) {
     fuzz::demand(error.command != nullptr, "an error of no command");
     if (error.bare) fuzz::demand(!short_help(*error.command).empty(), "no help");

@@ -19,7 +19,7 @@ namespace sansmesh::cli {
 namespace {
 
 /// Advice with the command that follows it.
-struct ToldAdvice {
+struct AdviceReport {
   Recommendation advice;
   std::vector<std::string> commands;
   std::string why;  ///< with flags of the command line
@@ -27,12 +27,13 @@ struct ToldAdvice {
   static const ReportSchema& schema();
 };
 
-constexpr ReportRow kToldAdvice[] = {
-    reported<[](const ToldAdvice& r) { return aim_word(r.advice.aim); }>({.name = "aim", .text = "Purpose"}),
-    reported<[](const ToldAdvice& r) { return r.advice.surface; }>({.name = "surface", .text = "Name of the surface"}),
-    reported<&ToldAdvice::commands>({.text = "Commands"}), reported<&ToldAdvice::why>({.text = "Reason"})};
-constexpr ReportSchema kToldAdviceSchema{kToldAdvice};
-const ReportSchema& ToldAdvice::schema() { return kToldAdviceSchema; }
+constexpr ReportRow kAdviceReport[] = {
+    reported<[](const AdviceReport& r) { return aim_word(r.advice.aim); }>({.name = "aim", .text = "Purpose"}),
+    reported<[](const AdviceReport& r) { return r.advice.surface; }>(
+        {.name = "surface", .text = "Name of the surface"}),
+    reported<&AdviceReport::commands>({.text = "Commands"}), reported<&AdviceReport::why>({.text = "Reason"})};
+constexpr ReportSchema kAdviceReportSchema{kAdviceReport};
+const ReportSchema& AdviceReport::schema() { return kAdviceReportSchema; }
 
 /// Commands in the order of the enumerators of the aim.
 constexpr const char* kCloudCommands[] = {
@@ -60,19 +61,19 @@ void run_advise(const CloudInput& input, const CommandLine& recommended, Console
   const PointSet points = input.read(console, read);
   const Advice advice = naming(input.name(), console, [&] { return advise(points, console.progress()); });
   console.note(input.name(), advice.notes);
-  console.tell(input.told(read, points.size()), "input");
-  console.tell(advice);
-  std::vector<ToldAdvice> told;
-  told.reserve(advice.recommendations.size());
+  console.report(input.report(read, points.size()), "input");
+  console.report(advice);
+  std::vector<AdviceReport> reports;
+  reports.reserve(advice.recommendations.size());
   for (const Recommendation& r : advice.recommendations)
-    told.push_back({r, {command_of(r, input)}, in_flags(r.why, recommended)});
-  console.tell(told, "recommendations");
+    reports.push_back({r, {command_of(r, input)}, in_flags(r.why, recommended)});
+  console.report(reports, "recommendations");
 
-  console.say(fmt::format("{}: {}", input.name(), read.format));
-  console.say(summary_of(advice));
-  for (const ToldAdvice& one : told) {
-    console.say(aim_word(one.advice.aim), one.why, 10);
-    console.say("  $ " + one.commands[0]);
+  console.print(fmt::format("{}: {}", input.name(), read.format));
+  console.print(summary_of(advice));
+  for (const AdviceReport& one : reports) {
+    console.print(aim_word(one.advice.aim), one.why, 10);
+    console.print("  $ " + one.commands[0]);
   }
 }
 
@@ -93,10 +94,10 @@ Command add_advise(CommandLine& app) {
            "  sansmesh advise scan.ply\n"
            "  sansmesh advise scan.ply --json\n"
            "  sansmesh advise fire.vtu --array t");
-  c.tells({told<ReadCloud>("input"), told<Advice>(), told_list<ToldAdvice>("recommendations"),
-           told<ReadVolume>("input"), told<VolumeAdvice>(), told_list<ToldCommand>("commands")});
+  c.announce({report_of<ReadCloud>("input"), report_of<Advice>(), reports_of<AdviceReport>("recommendations"),
+              report_of<ReadVolume>("input"), report_of<VolumeAdvice>(), reports_of<RecommendedCommand>("commands")});
   return {&c, [input, volume, &app](Console& console) {
-            const bool named = names_volume(input->files);
+            const bool named = is_volume_input(input->files);
             if (!named && !volume->read.raw.given()) {
               require(volume->array.empty(),
                       "--array is for volumes: `advise data FILE` treats points as samples of one");

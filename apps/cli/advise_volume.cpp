@@ -72,10 +72,10 @@ std::string volume_command(const VolumeRecommendation& r, const VolumeAdvice& ad
 
 }  // namespace
 
-const ReportSchema& ToldCommand::schema() {
-  static constexpr ReportRow rows[] = {reported<&ToldCommand::aim>({.text = "Purpose"}),
-                                       reported<&ToldCommand::why>({.text = "Reason"}),
-                                       reported<&ToldCommand::command>({.text = "Command"})};
+const ReportSchema& RecommendedCommand::schema() {
+  static constexpr ReportRow rows[] = {reported<&RecommendedCommand::aim>({.text = "Purpose"}),
+                                       reported<&RecommendedCommand::why>({.text = "Reason"}),
+                                       reported<&RecommendedCommand::command>({.text = "Command"})};
   return report_schema<rows>();
 }
 
@@ -90,20 +90,20 @@ void run_volume_advise(const VolumeInput& input, Console& console) {
   any.bare = true;
   VolumeModel volume = any.open(console);
   const VolumeAdvice advice = advise(volume, console.progress());
-  console.tell(input.told(volume, console.progress()), "input");
-  console.tell(advice);
+  console.report(input.report(volume, console.progress()), "input");
+  console.report(advice);
   const std::string files = shell_words(input.files) + read_words(input.read);
-  std::vector<ToldCommand> told;
-  told.reserve(advice.recommendations.size());
+  std::vector<RecommendedCommand> reports;
+  reports.reserve(advice.recommendations.size());
   for (const VolumeRecommendation& r : advice.recommendations)
-    told.push_back({aim_word(r.aim), r.why, volume_command(r, advice, files, input.files.size() > 1)});
-  console.tell(told, "commands");
+    reports.push_back({aim_word(r.aim), r.why, volume_command(r, advice, files, input.files.size() > 1)});
+  console.report(reports, "commands");
 
-  console.say(fmt::format("{}: {}", volume.name(), volume.format()));
-  console.say(summary_of(advice));
-  for (const ToldCommand& one : told) {
-    console.say(one.aim, one.why);
-    console.say("  $ " + one.command);
+  console.print(fmt::format("{}: {}", volume.name(), volume.format()));
+  console.print(summary_of(advice));
+  for (const RecommendedCommand& one : reports) {
+    console.print(one.aim, one.why);
+    console.print("  $ " + one.command);
   }
 }
 

@@ -11,7 +11,7 @@
 namespace sansmesh::cli {
 
 /// Advice on a volume, with the command that follows it.
-struct ToldCommand {
+struct RecommendedCommand {
   std::string aim, why, command;
 
   static const ReportSchema& schema();

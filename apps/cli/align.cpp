@@ -52,29 +52,29 @@ void run_align(const AlignArguments& a, Console& console) {
     const PointSet cloud = vertices_of(std::move(made.moved));
     warn_of_losses(moving_file, moving.read, output, cloud, console);
     write_points(output, cloud, {.ascii = a.output.ascii});
-    console.tell(WrittenPoints{output, cloud.size()}, "output");
+    console.report(WrittenPoints{output, cloud.size()}, "output");
   } else if (!output.empty()) {
     warn_of_losses(moving_file, moving.read, output, made.moved, console);
     write_mesh(output, made.moved, {.ascii = a.output.ascii});
-    tell_mesh(output, made.moved, console);
+    report_mesh(output, made.moved, console);
   }
   if (!a.transform_output.empty()) write_transform(a.transform_output, made.motion);
-  console.tell(moving.told, "moving");
-  console.tell(fixed.told, "fixed");
-  console.tell(made);
-  if (!a.output.preview.empty()) console.tell(ToldFile{a.output.preview}, "preview");
-  if (!a.transform_output.empty()) console.tell(ToldFile{a.transform_output}, "transform_output");
+  console.report(moving.report, "moving");
+  console.report(fixed.report, "fixed");
+  console.report(made);
+  if (!a.output.preview.empty()) console.report(FileReport{a.output.preview}, "preview");
+  if (!a.transform_output.empty()) console.report(FileReport{a.transform_output}, "transform_output");
 
-  console.say(fmt::format("{} ({}) moved onto {} ({})", moving_file, moving.surface.kind_word(), fixed.surface.name(),
-                          fixed.surface.kind_word()));
-  console.say(summary_of(made.report));
+  console.print(fmt::format("{} ({}) moved onto {} ({})", moving_file, moving.surface.kind_word(), fixed.surface.name(),
+                            fixed.surface.kind_word()));
+  console.print(summary_of(made.report));
   if (output.empty() && a.transform_output.empty())
     for (std::size_t row = 0; row < 3; ++row) {
       const std::array<double, 4> m = made.motion.rows()[row];
-      console.say(fmt::format("{:>22} {:>22} {:>22} {:>22}", m[0], m[1], m[2], m[3]));
+      console.print(fmt::format("{:>22} {:>22} {:>22} {:>22}", m[0], m[1], m[2], m[3]));
     }
   for (const std::string& file : {output, a.transform_output, a.output.preview})
-    if (!file.empty()) console.say(file + ": written");
+    if (!file.empty()) console.print(file + ": written");
 }
 
 }  // namespace
@@ -104,8 +104,9 @@ Command add_align(CommandLine& app) {
       "  sansmesh align scan.ply design.stl -o aligned.ply --transform-output motion.txt\n"
       "  sansmesh align second.ply first.ply --from anywhere --json\n"
       "  sansmesh align inches.stl millimetres.ply -o same.stl --find-scale");
-  c.tells({told<ReadSurface>("moving"), told<ReadSurface>("fixed"), told<AlignResult>(), told<WrittenPoints>("output"),
-           told<WrittenMesh>("output"), told<ToldFile>("preview"), told<ToldFile>("transform_output")});
+  c.announce({report_of<ReadSurface>("moving"), report_of<ReadSurface>("fixed"), report_of<AlignResult>(),
+              report_of<WrittenPoints>("output"), report_of<WrittenMesh>("output"), report_of<FileReport>("preview"),
+              report_of<FileReport>("transform_output")});
   return {&c, [a](Console& console) { run_align(*a, console); }};
 }
 

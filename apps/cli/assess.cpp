@@ -5,11 +5,11 @@
 
 #include "cloud_input.h"
 #include "commands.h"
+#include "file_reports.h"
 #include "option_groups.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/formats.h"
 #include "schema_options.h"
-#include "told_files.h"
 
 namespace sansmesh::cli {
 namespace {
@@ -34,21 +34,21 @@ void run_assess(const AssessArguments& a, Console& console) {
                                 : assess(surface, a.reference.read(console, read), a.options, progress);
   const AssessReport& r = made.report;
   console.note(a.surface, made.notes);
-  console.tell(ToldFile{a.surface}, "surface");
-  if (r.distance) console.tell(a.reference.told(), "reference");
-  console.tell(r);
+  console.report(FileReport{a.surface}, "surface");
+  if (r.distance) console.report(a.reference.report(), "reference");
+  console.report(r);
 
-  console.say(r.topology ? fmt::format("{}: {} vertices, {}", a.surface, grouped(r.topology->vertices),
-                                       counted(r.topology->triangles, "triangle"))
-                         : fmt::format("{}: {} without faces", a.surface, counted(r.vertices, "point")));
-  console.say(summary_of(r));
+  console.print(r.topology ? fmt::format("{}: {} vertices, {}", a.surface, grouped(r.topology->vertices),
+                                         counted(r.topology->triangles, "triangle"))
+                           : fmt::format("{}: {} without faces", a.surface, counted(r.vertices, "point")));
+  console.print(summary_of(r));
 }
 
 }  // namespace
 
 Command add_assess(CommandLine& app) {
   CommandLine& c = app.add_subcommand("assess", "Mesh → distances to a reference, topology, shape of triangles");
-  c.once_called("evaluate");
+  c.former_name("evaluate");
   auto shared = std::make_shared<AssessArguments>();
   AssessArguments& a = *shared;
   c.add_option("mesh", a.surface, "Mesh or points").reads(endings_read(kPoints)).required();
@@ -66,7 +66,7 @@ Command add_assess(CommandLine& app) {
       "Examples:\n"
       "  sansmesh assess surface.ply\n"
       "  sansmesh assess surface.ply scan.ply");
-  c.tells({told<ToldFile>("surface"), told<ReadFiles>("reference"), told<AssessReport>()});
+  c.announce({report_of<FileReport>("surface"), report_of<ReadFiles>("reference"), report_of<AssessReport>()});
   return {&c, [shared](Console& console) { run_assess(*shared, console); }};
 }
 

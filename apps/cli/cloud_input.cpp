@@ -59,8 +59,8 @@ PointSet CloudInput::read(Console& console, ReadReport& report) const {
     } catch (const DataError& error) {
       throw FileError(name(), console.in_flags(error.what()));
     }
-    console.say(fmt::format("{}: {} of {} are of the selected classes", name(), grouped(points.size()),
-                            counted(given, "point")));
+    console.print(fmt::format("{}: {} of {} are of the selected classes", name(), grouped(points.size()),
+                              counted(given, "point")));
   }
   return points;
 }

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "console.h"
+#include "file_reports.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/point_classes.h"
-#include "told_files.h"
 
 namespace sansmesh::cli {
 
@@ -25,9 +25,9 @@ struct CloudInput {
 
   /// "a.las", "a.las and 2 other files"
   std::string name() const;
-  ReadFiles told() const { return {files}; }
+  ReadFiles report() const { return {files}; }
   /// Also reports what was read.
-  ReadCloud told(const ReadReport& read, std::size_t points) const { return {{files}, read.format, points}; }
+  ReadCloud report(const ReadReport& read, std::size_t points) const { return {{files}, read.format, points}; }
   /// Whether it is a function file instead of a cloud. Throws ArgumentError if point classes were given for a function.
   bool is_function() const;
   /// Reads all files as one cloud, as one stage of the progress, and keeps the points of the selected classes. Warnings

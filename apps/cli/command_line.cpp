@@ -101,7 +101,7 @@ Option Option::repeated() const {
   entry_->several = false;
   return *this;
 }
-Option Option::once_called(const std::string& name) const {
+Option Option::former_name(const std::string& name) const {
   entry_->old_names.push_back(name);
   return *this;
 }

@@ -34,7 +34,7 @@ class Option {
   /// May be repeated, each time with one value (or one list of numbers).
   Option repeated() const;
   /// Former name: accepted with a warning.
-  Option once_called(const std::string& name) const;
+  Option former_name(const std::string& name) const;
   /// The value is an input file with one of these endings ({".ply", ".obj"}); any if empty.
   Option reads(const std::vector<std::string>& endings = {}) const;
   /// The value is an output file.
@@ -67,8 +67,10 @@ class CommandLine {
   void footer(const std::string& text);
 
   /// Reports that --json may print for the command.
-  void tells(const std::vector<ToldReport>& reports) { told_.insert(told_.end(), reports.begin(), reports.end()); }
-  const std::vector<ToldReport>& told() const { return told_; }
+  void announce(const std::vector<AnnouncedReport>& reports) {
+    announced_.insert(announced_.end(), reports.begin(), reports.end());
+  }
+  const std::vector<AnnouncedReport>& announced() const { return announced_; }
 
   /// For other kinds of options (schema_options.h).
   OptionEntry& add_entry(const std::string& names, OptionEntry::Kind kind, const std::string& what) {
@@ -78,7 +80,7 @@ class CommandLine {
   /// Adds a subcommand; it lives as long as this.
   CommandLine& add_subcommand(const std::string& name, const std::string& what);
   /// Former name of the command: accepted with a warning.
-  void once_called(const std::string& name) { old_name_ = name; }
+  void former_name(const std::string& name) { old_name_ = name; }
   const std::string& old_name() const { return old_name_; }
   /// Whether the word is its current or former name.
   bool is_called(const std::string& word) const { return name_ == word || (!word.empty() && old_name_ == word); }
@@ -114,7 +116,7 @@ class CommandLine {
   std::string name_, what_, footer_, old_name_;
   CommandLine* parent_ = nullptr;
   bool common_ = true;
-  std::vector<ToldReport> told_;
+  std::vector<AnnouncedReport> announced_;
   std::vector<std::unique_ptr<OptionEntry>> options_;
   std::vector<std::unique_ptr<CommandLine>> commands_;
 };

@@ -62,22 +62,22 @@ void run_compare(const CompareArguments& a, Console& console) {
   const CompareResult made = compare(part.surface, reference.surface, a.options, progress);
   console.note(mapped.name(), made.notes);
   write_map(a, made, progress);
-  console.tell(part.told, "part");
-  console.tell(reference.told, "reference");
-  console.tell(made);
-  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
-  if (!a.preview.empty()) console.tell(ToldFile{a.preview}, "preview");
+  console.report(part.report, "part");
+  console.report(reference.report, "reference");
+  console.report(made);
+  if (!a.output.empty()) console.report(FileReport{a.output}, "output");
+  if (!a.preview.empty()) console.report(FileReport{a.preview}, "preview");
 
-  console.say(fmt::format("{}: {} of {} {} compared with {} ({})", mapped.name(), grouped(made.map.measured),
-                          grouped(made.mesh.vertices.size()), points ? "points" : "vertices", other.name(),
-                          other.kind_word()));
-  console.say(summary_of(made, a.options, other.name()));
-  if (a.histogram && made.map.measured > 0) console.say(histogram_of(made.map));
+  console.print(fmt::format("{}: {} of {} {} compared with {} ({})", mapped.name(), grouped(made.map.measured),
+                            grouped(made.mesh.vertices.size()), points ? "points" : "vertices", other.name(),
+                            other.kind_word()));
+  console.print(summary_of(made, a.options, other.name()));
+  if (a.histogram && made.map.measured > 0) console.print(histogram_of(made.map));
   const DistanceStatistics& s = made.map.statistics;
   for (const std::string& file : {a.output, a.preview})
     if (!file.empty())
-      console.say(fmt::format("{}: blue inside, red outside, full colour at ±{}{}", file, length(s.range),
-                              s.smallest_range ? ", a millionth of the diagonal: 99 % are closer" : ""));
+      console.print(fmt::format("{}: blue inside, red outside, full colour at ±{}{}", file, length(s.range),
+                                s.smallest_range ? ", a millionth of the diagonal: 99 % are closer" : ""));
 }
 
 }  // namespace
@@ -110,8 +110,8 @@ Command add_compare(CommandLine& app) {
       "  sansmesh compare made.ply design.stl --within 0.05 -o map.ply --preview map.png\n"
       "  sansmesh compare scan.ply design.stl --max-distance 2 --histogram\n"
       "  sansmesh compare design.stl scan.smf --refine 0.5 --json");
-  c.tells({told<ReadSurface>("part"), told<ReadSurface>("reference"), told<CompareResult>(), told<ToldFile>("output"),
-           told<ToldFile>("preview")});
+  c.announce({report_of<ReadSurface>("part"), report_of<ReadSurface>("reference"), report_of<CompareResult>(),
+              report_of<FileReport>("output"), report_of<FileReport>("preview")});
   return {&c, [a](Console& console) { run_compare(*a, console); }};
 }
 

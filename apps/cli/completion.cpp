@@ -36,7 +36,7 @@ std::vector<const OptionEntry*> typed_options(const CommandLine& command) {
   return list;
 }
 
-std::vector<const OptionEntry*> places_of(const CommandLine& command) {
+std::vector<const OptionEntry*> positional_options(const CommandLine& command) {
   std::vector<const OptionEntry*> list;
   for (const auto& option : command.options())
     if (option->positional()) list.push_back(option.get());
@@ -153,7 +153,7 @@ std::string zsh_function(const std::string& name, const CommandLine& command) {
   for (const OptionEntry* option : typed_options(command)) text += zsh_option(*option);
   if (!further) {
     std::size_t place = 0;
-    for (const OptionEntry* option : places_of(command))
+    for (const OptionEntry* option : positional_options(command))
       text += option->several ? fmt::format("    '*{}' \\\n", zsh_value(*option))
                               : fmt::format("    '{}{}' \\\n", ++place, zsh_value(*option));
     text.erase(text.rfind(" \\\n"));
@@ -206,7 +206,7 @@ std::string fish_lines(const std::string& name, const CommandLine& command) {
   std::string text;
   for (const auto& c : command.commands())
     text += fmt::format("{} -a {} -d {}\n", begin, c->name(), in_single_quotes(c->what(), "\\'"));
-  for (const OptionEntry* option : places_of(command))
+  for (const OptionEntry* option : positional_options(command))
     if (const std::string words = fish_words(*option); !words.empty())
       text.append(begin).append(" ").append(words).append("\n");
   for (const OptionEntry* option : typed_options(command)) {
@@ -255,7 +255,7 @@ std::string bash_completion(const CommandLine& root) {
       std::vector<std::string> further;
       for (const auto& c : command->commands()) further.push_back(c->name());
       action = fmt::format("_sansmesh_words '{}'", fmt::join(further, " "));
-    } else if (const auto places = places_of(*command); !places.empty()) {
+    } else if (const auto places = positional_options(*command); !places.empty()) {
       action = bash_action(*places.back());
     }
     if (!action.empty()) text += fmt::format("    '{}') {} ;;\n", name, action);

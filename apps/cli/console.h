@@ -45,36 +45,36 @@ class Console {
   std::string rescue_frames();
 
   /// Whether text results are printed; measures that only serve them can be skipped otherwise.
-  bool says() const { return !options_.json && !options_.quiet; }
+  bool prints_text() const { return !options_.json && !options_.quiet; }
   /// Prints a result as text unless --json or --quiet. After files were written, it waits for finish().
-  void say(const std::string& line);
+  void print(const std::string& line);
   /// Prints lines in which options have their library names.
-  void say(const std::vector<std::string>& lines);
+  void print(const std::vector<std::string>& lines);
   /// The same with a name before the first line: "scan.ply: ".
-  void say_of(const std::string& name, std::vector<std::string> lines);
+  void print_named(const std::string& name, std::vector<std::string> lines);
   /// The same with a title: "area            0.5".
-  void say(const std::string& title, const std::string& text, int width = 16);
+  void print(const std::string& title, const std::string& text, int width = 16);
   /// Adds a report to the JSON result, under a key or at the top level. --json prints it at the end, with all warnings
   /// (`warnings`). Ends the stage of the progress. Throws std::logic_error for reports that the command did not declare
-  /// (CommandLine::tells).
+  /// (CommandLine::announce).
   template <HasReport T>
-  void tell(const T& report, std::string_view key = {}) {
-    tell(ToldReport{key, &T::schema()}, &report);
+  void report(const T& report, std::string_view key = {}) {
+    put_entry({key, &T::schema()}, &report);
   }
   /// Adds a list of reports.
   template <HasReport T>
-  void tell(const std::vector<T>& reports, std::string_view key) {
-    const ToldReport told{key, &T::schema(), true};
-    begin_list(told);
-    for (const T& report : reports) tell(told, &report);
+  void report(const std::vector<T>& reports, std::string_view key) {
+    const AnnouncedReport entry{key, &T::schema(), true};
+    begin_list(entry);
+    for (const T& report : reports) put_entry(entry, &report);
   }
   /// Adds a single value.
   template <class T>
-  void tell_value(std::string_view key, const T& value) {
-    tell_value_as(key, report_detail::value_of(value));
+  void report_value(std::string_view key, const T& value) {
+    report_single_value(key, report_detail::value_of(value));
   }
   /// Adds the time of each stage (`stages`), for commands whose results are not compared.
-  void tell_stages() { tells_stages_ = true; }
+  void report_stages() { reports_stages_ = true; }
   /// From here on, JSON results form a list `files` with one object per input file.
   void list_results() { listing_ = true; }
   /// Ends the object of one file: it has all reports since the last call.
@@ -97,10 +97,10 @@ class Console {
  private:
   struct Results;
 
-  void tell(const ToldReport& told, const void* report);
-  void tell_value_as(std::string_view key, const ReportValue& value);
-  void begin_list(const ToldReport& told);
-  void check_announced(const ToldReport& told) const;
+  void put_entry(const AnnouncedReport& entry, const void* report);
+  void report_single_value(std::string_view key, const ReportValue& value);
+  void begin_list(const AnnouncedReport& entry);
+  void check_announced(const AnnouncedReport& entry) const;
   /// Prints all reports.
   void show_json();
   /// Prints the table of stages (--verbose).
@@ -115,9 +115,9 @@ class Console {
   std::vector<std::string> warnings_;
   std::unique_ptr<Results> results_;
   bool listing_ = false, failed_ = false;
-  std::string said_;  ///< text that waits until the files are in place
+  std::string waiting_text_;  ///< text that waits until the files are in place
   bool keeps_frames_ = false;
-  bool tells_stages_ = false;
+  bool reports_stages_ = false;
   bool finishing_ = false;
   bool terminal_ = false;
   bool drawn_ = false;

@@ -22,7 +22,7 @@
 namespace sansmesh::cli {
 namespace {
 
-constexpr std::size_t kTold = 10;
+constexpr std::size_t kPrintedFiles = 10;
 
 struct ConvertArguments {
   CloudInput input;
@@ -81,14 +81,14 @@ void run_convert(const ConvertArguments& a, Console& console) {
   else
     warn_of_losses(name, read, a.output, data.points, console);
   const std::vector<std::string> lost = left_out(a.output, data);
-  std::vector<std::string> said = summary_of(made.report);
+  std::vector<std::string> summary = summary_of(made.report);
   std::vector<CloudOrMesh> parts;
   std::vector<std::string> files{a.output};
   if (a.split) {
     SplitResult found = naming(name, console, [&] { return split(data, a.parts, progress); });
     console.note(name, found.notes);
-    said.push_back(summary_of(found)[0]);
-    console.tell(found);
+    summary.push_back(summary_of(found)[0]);
+    console.report(found);
     parts = std::move(found.parts);
     files = names_of_parts(a, parts.size(), console);
   } else {
@@ -101,18 +101,18 @@ void run_convert(const ConvertArguments& a, Console& console) {
     const bool mesh = parts[k].is_mesh;
     outputs.push_back({files[k], parts[k].size(), told_if(mesh, parts[k].mesh.triangles.size())});
   }
-  console.say(fmt::format("{}: {} ({})", name, made.report.size_words, read.format));
-  console.say(said);
-  for (std::size_t k = 0; k < std::min(kTold, parts.size()); ++k)
-    console.say(fmt::format("{}: {}{}", files[k], parts[k].size_words(), a.split ? "" : parts[k].belongings(lost)));
-  if (parts.size() > kTold)
-    console.say(fmt::format("… {} written, {}", counted(parts.size(), "part"), WrittenPictures{files}.words()));
-  console.tell(a.input.told(), "input");
-  console.tell_value("input.format", read.format);
-  console.tell_value("input.unread", read.unread);
-  console.tell(made.report);
-  console.tell(outputs, "outputs");
-  console.tell_value("left_out", lost);
+  console.print(fmt::format("{}: {} ({})", name, made.report.size_words, read.format));
+  console.print(summary);
+  for (std::size_t k = 0; k < std::min(kPrintedFiles, parts.size()); ++k)
+    console.print(fmt::format("{}: {}{}", files[k], parts[k].size_words(), a.split ? "" : parts[k].belongings(lost)));
+  if (parts.size() > kPrintedFiles)
+    console.print(fmt::format("… {} written, {}", counted(parts.size(), "part"), WrittenPictures{files}.words()));
+  console.report(a.input.report(), "input");
+  console.report_value("input.format", read.format);
+  console.report_value("input.unread", read.unread);
+  console.report(made.report);
+  console.report(outputs, "outputs");
+  console.report_value("left_out", lost);
 }
 
 }  // namespace
@@ -146,10 +146,10 @@ Command add_convert(CommandLine& app) {
            "  sansmesh convert part.stl -o part.ply --weld 0 --unit mm --to-unit m --up z\n"
            "  sansmesh convert a.las b.las -o all.ply --box 0,0,0,100,100,50 --point-spacing 0.5\n"
            "  sansmesh convert scan.ply -o moved.ply --transform matrix.txt");
-  c.tells({told<ReadFiles>("input"), told_value<std::string>("input.format", "Format of the file"),
-           told_value<std::vector<std::string>>("input.unread", "Unread parts of the file"), told<ConvertReport>(),
-           told<SplitResult>(), told_list<ConvertedFile>("outputs"),
-           told_value<std::vector<std::string>>("left_out", "Parts that the output format cannot hold")});
+  c.announce({report_of<ReadFiles>("input"), value_of<std::string>("input.format", "Format of the file"),
+              value_of<std::vector<std::string>>("input.unread", "Unread parts of the file"),
+              report_of<ConvertReport>(), report_of<SplitResult>(), reports_of<ConvertedFile>("outputs"),
+              value_of<std::vector<std::string>>("left_out", "Parts that the output format cannot hold")});
   return {&c, [shared](Console& console) { run_convert(*shared, console); }};
 }
 

@@ -29,11 +29,11 @@ void run_csg(const CsgArguments& a, Console& console) {
   const CsgMeshReport& r = made.report;
   console.note(a.output.file, made.notes);
   a.output.write(made.mesh, console);
-  console.tell(solid);
-  console.tell(r);
+  console.report(solid);
+  console.report(r);
 
-  say_mesh(a.output.file, made.mesh, r.components, r.closed, console);
-  console.say(summary_of(r));
+  print_mesh(a.output.file, made.mesh, r.components, r.closed, console);
+  console.print(summary_of(r));
 }
 
 }  // namespace
@@ -63,7 +63,7 @@ Command add_csg(CommandLine& app) {
       "  sansmesh csg 'shell(scan.smf, 2, side=inside) & plane(z, offset=40)' -o half.stl --cell 0.5\n"
       "  sansmesh csg 'difference(box(2), sphere(1.3), r=0.1)' -o part.glb --preview part.png\n"
       "  sansmesh csg 'cylinder(1) - cylinder(0.8)' -o pipe.ply --box -1,-1,0,1,1,5");
-  c.tells({told<SolidModel>(), told<CsgMeshReport>()});
+  c.announce({report_of<SolidModel>(), report_of<CsgMeshReport>()});
   return {&c, [a](Console& console) { run_csg(*a, console); }};
 }
 

@@ -55,11 +55,11 @@ void run_curvature(const CurvatureArguments& a, Console& console) {
     write_points(a.output, made.points, {.ascii = a.ascii});
   }
   if (!a.preview.empty()) a.picture.write(a.preview, preview.image, preview.made_with);
-  console.tell(a.input.told(read, made.points.size()), "input");
-  console.tell(r);
-  console.tell(ToldFile{a.output}, "output");
-  console.say_of(name + " (" + read.format + ")", summary_of(made));
-  console.say(
+  console.report(a.input.report(read, made.points.size()), "input");
+  console.report(r);
+  console.report(FileReport{a.output}, "output");
+  console.print_named(name + " (" + read.format + ")", summary_of(made));
+  console.print(
       fmt::format("{}: k1 k2 mean_curvature gaussian_curvature curvedness shape_index d1 d2, colours of {} up to ±{}",
                   a.output, quantity_word(r.color_by), length(r.color_range)));
 }
@@ -86,7 +86,7 @@ Command add_curvature(CommandLine& app) {
            "\n\nExamples:\n"
            "  sansmesh curvature scan.ply -o curved.ply --preview curved.png\n"
            "  sansmesh curvature scan.ply -o table.csv --color-by gaussian");
-  c.tells({told<ReadCloud>("input"), told<CurvatureReport>(), told<ToldFile>("output")});
+  c.announce({report_of<ReadCloud>("input"), report_of<CurvatureReport>(), report_of<FileReport>("output")});
   return {&c, [shared](Console& console) { run_curvature(*shared, console); }};
 }
 

@@ -53,35 +53,35 @@ DeformKind check_deform(DeformArguments& a) {
   return kind;
 }
 
-DeformSubject read_subject(const DeformArguments& a, DeformKind kind, std::vector<std::string>& said,
+DeformSubject read_subject(const DeformArguments& a, DeformKind kind, std::vector<std::string>& summary,
                            Console& console) {
   if (kind == DeformKind::points) {
     const CloudInput cloud{a.input.files, {}, {}, {}};
     ReadReport read;
     PointSet points = cloud.read(console, read);
-    console.tell(cloud.told(read, points.size()), "input");
+    console.report(cloud.report(read, points.size()), "input");
     if (a.aim() == DeformAim::shape && !a.map.nodes)
       check_writable(a.output, points.triangles.empty() ? "points" : "mesh");
     return points;
   }
   if (kind == DeformKind::solid) {
     SolidModel solid = open_solid(a.input.files[0], console);
-    console.tell(solid, "input");
+    console.report(solid, "input");
     return solid;
   }
   VolumeModel volume = a.input.open(console);
   if (a.map.nodes) {  // only the box is needed
     DeformableVolume subject{
         .name = volume.name(), .samples = volume.samples(console.progress()), .fields = {}, .arrays = {}};
-    console.tell(a.input.told(volume, console.progress()), "input");
+    console.report(a.input.report(volume, console.progress()), "input");
     return subject;
   }
   std::vector<Note> notes;
   DeformableVolume subject = deformable_volume(volume, a.aim(), a.all_arrays, console.progress(), notes);
   console.note(volume.name(), notes);
-  console.tell(a.input.told(volume, console.progress()), "input");
-  console.tell(subject, "output");
-  said = summary_of(volume, console.progress());
+  console.report(a.input.report(volume, console.progress()), "input");
+  console.report(subject, "output");
+  summary = summary_of(volume, console.progress());
   return subject;
 }
 
@@ -91,8 +91,8 @@ void run_deform(DeformArguments& a, Console& console) {
   const std::string name = a.input.name();
   const Deformation deformation = read_deformation(a.deformation, progress);
   a.options.validate(a.aim(), deformation);
-  std::vector<std::string> files, said;
-  const DeformSubject subject = read_subject(a, kind, said, console);
+  std::vector<std::string> files, summary;
+  const DeformSubject subject = read_subject(a, kind, summary, console);
   const UsePose write = [&](int pose, const DeformedPose& made) {
     files.push_back(a.options.frames ? frame_name(a.output, static_cast<std::size_t>(pose)) : a.output);
     progress.begin("write");
@@ -111,15 +111,15 @@ void run_deform(DeformArguments& a, Console& console) {
     made = deform(subject, name, deformation, a.aim(), a.options, write, progress);
   }
   console.note(name, made.notes);
-  console.tell(deformation, "deformation");
-  console.tell(made.report, "output");
-  console.tell_value("output.files", files);
-  console.say(said);
-  console.say(fmt::format("{}: {}", name, deformation.words()));
+  console.report(deformation, "deformation");
+  console.report(made.report, "output");
+  console.report_value("output.files", files);
+  console.print(summary);
+  console.print(fmt::format("{}: {}", name, deformation.words()));
   for (const std::string& line : summary_of(made.report))
-    console.say(fmt::format("{}: {}", files.size() == 1 ? files[0] : a.output, line));
+    console.print(fmt::format("{}: {}", files.size() == 1 ? files[0] : a.output, line));
   if (files.size() > 1)
-    console.say(fmt::format("{} to {}: {}", files.front(), files.back(), counted(files.size(), "pose")));
+    console.print(fmt::format("{} to {}: {}", files.front(), files.back(), counted(files.size(), "pose")));
 }
 
 }  // namespace
@@ -184,9 +184,10 @@ Command add_deform(CommandLine& app) {
       "  sansmesh deform solid.ply --handles open.json --cut 'half-plane(0,0,0; 0,0,1; 1,0,0)' -o opened.ply\n"
       "  sansmesh deform head.mhd --handles nod.json -o nod.vti --size 256\n"
       "  sansmesh deform body.ply --handles-from scan0.ply,scan1.ply --handle-count 60 -o body1.ply");
-  c.tells({told<ReadCloud>("input"), told<SolidModel>("input"), told<ReadVolume>("input"),
-           told<Deformation>("deformation"), told<DeformableVolume>("output"), told<DeformReport>("output"),
-           told_value<std::vector<std::string>>("output.files", "Files, one per pose")});
+  c.announce({report_of<ReadCloud>("input"), report_of<SolidModel>("input"), report_of<ReadVolume>("input"),
+              report_of<Deformation>("deformation"), report_of<DeformableVolume>("output"),
+              report_of<DeformReport>("output"),
+              value_of<std::vector<std::string>>("output.files", "Files, one per pose")});
   return {&c, [shared](Console& console) { run_deform(*shared, console); }};
 }
 

@@ -56,20 +56,20 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
     files.push_back(a.separate ? frame_name(a.pictures, files.size() + 1) : a.pictures);
     write_image(files.back(), one);
   }
-  console.tell(ToldFile{a.input}, "input");
-  console.tell(made);
-  if (!a.script.empty()) console.tell(ToldFile{a.script}, "script");
-  if (!a.pictures.empty()) console.tell_value("pictures", files);
+  console.report(FileReport{a.input}, "input");
+  console.report(made);
+  if (!a.script.empty()) console.report(FileReport{a.script}, "script");
+  if (!a.pictures.empty()) console.report_value("pictures", files);
 
-  console.say(fmt::format("{}: {}", a.input, counted(made.fits, "local fit")));
-  console.say(summary_of(made, !a.script.empty()));
+  console.print(fmt::format("{}: {}", a.input, counted(made.fits, "local fit")));
+  console.print(summary_of(made, !a.script.empty()));
   if (!a.script.empty())
-    console.say(fmt::format("{}: {} to try with `sansmesh edit`", a.script, counted(made.edits.size(), "edit")));
+    console.print(fmt::format("{}: {} to try with `sansmesh edit`", a.script, counted(made.edits.size(), "edit")));
   if (!a.preview.empty())
-    console.say(fmt::format("{}: yellow low coverage, orange high error, red extra sheets, violet steep", a.preview));
+    console.print(fmt::format("{}: yellow low coverage, orange high error, red extra sheets, violet steep", a.preview));
   if (!a.pictures.empty())
-    console.say(files.empty() ? a.pictures + ": not written, there are no doubtful regions"
-                              : WrittenPictures{files}.words() + ": the regions, by number");
+    console.print(files.empty() ? a.pictures + ": not written, there are no doubtful regions"
+                                : WrittenPictures{files}.words() + ": the regions, by number");
 }
 
 }  // namespace
@@ -79,7 +79,7 @@ Command add_diagnose(CommandLine& app) {
   auto a = std::make_shared<DiagnoseArguments>();
   add_function_input(c, a->input);
   c.add_option("--script-output", a->script, "Write a script for `sansmesh edit`, one step per region: .json")
-      .once_called("--script")
+      .former_name("--script")
       .writes({".json"});
   c.add_option("--preview", a->preview, "Draw the surface with coloured doubtful regions into this PNG")
       .writes({".png"});
@@ -94,8 +94,8 @@ Command add_diagnose(CommandLine& app) {
       "Examples:\n"
       "  sansmesh diagnose scan.smf --preview scan.png --pictures places.png --script-output edits.json\n"
       "  sansmesh edit scan.smf --script edits.json -o repaired.smf");
-  c.tells({told<ToldFile>("input"), told<DiagnoseResult>(), told<ToldFile>("script"),
-           told_value<std::vector<std::string>>("pictures", "Pictures of the regions")});
+  c.announce({report_of<FileReport>("input"), report_of<DiagnoseResult>(), report_of<FileReport>("script"),
+              value_of<std::vector<std::string>>("pictures", "Pictures of the regions")});
   return {&c, [a](Console& console) { run_diagnose(*a, console); }};
 }
 

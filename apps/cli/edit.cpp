@@ -52,18 +52,18 @@ void run_edit(const EditArguments& a, Console& console) {
   console.progress().begin("write");
   if (!a.output.empty()) write_function(a.output, made.function);
   if (!a.mesh_output.empty()) write_mesh(a.mesh_output, made.mesh);
-  console.tell(ToldFile{a.input}, "input");
-  console.tell(made);
-  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
-  if (!a.mesh_output.empty()) tell_mesh(a.mesh_output, made.mesh, console, "mesh");
+  console.report(FileReport{a.input}, "input");
+  console.report(made);
+  if (!a.output.empty()) console.report(FileReport{a.output}, "output");
+  if (!a.mesh_output.empty()) report_mesh(a.mesh_output, made.mesh, console, "mesh");
 
   for (std::size_t i = 0; i < made.steps.size(); ++i)
-    console.say(fmt::format("step {}: {}", i + 1, words_of(made.steps[i])));
-  if (!a.output.empty()) console.say(fmt::format("{}: {}", a.output, counted(info(made.function).fits, "local fit")));
+    console.print(fmt::format("step {}: {}", i + 1, words_of(made.steps[i])));
+  if (!a.output.empty()) console.print(fmt::format("{}: {}", a.output, counted(info(made.function).fits, "local fit")));
   const std::size_t triangles = made.mesh.triangles.size();
   if (!a.mesh_output.empty())
-    console.say(fmt::format("{}: {}{}", a.mesh_output, counted(triangles, "triangle"),
-                            a.mesh.empty() ? std::string() : words_of(made.update, triangles)));
+    console.print(fmt::format("{}: {}{}", a.mesh_output, counted(triangles, "triangle"),
+                              a.mesh.empty() ? std::string() : words_of(made.update, triangles)));
 }
 
 }  // namespace
@@ -94,7 +94,8 @@ Command add_edit(CommandLine& app) {
       "Examples:\n"
       "  sansmesh edit scan.smf --script edits.json -o new.smf\n"
       "  sansmesh edit scan.smf --script edits.json -o new.smf --mesh scan.ply --mesh-output new.ply");
-  c.tells({told<ToldFile>("input"), told<EditedFunction>(), told<ToldFile>("output"), told<WrittenMesh>("mesh")});
+  c.announce({report_of<FileReport>("input"), report_of<EditedFunction>(), report_of<FileReport>("output"),
+              report_of<WrittenMesh>("mesh")});
   return {&c, [a](Console& console) { run_edit(*a, console); }};
 }
 

@@ -25,9 +25,9 @@ void run_list(FillArguments& a, Console& console) {
   if (!a.output.file.empty()) throw ArgumentError("--list only lists holes: omit --output");
   const HolesResult found = list_holes(a.input.read(console), console.progress());
   console.note(a.input.file, found.notes);
-  console.tell(found);
-  console.say(fmt::format("{}: {}", a.input.file, counted(found.triangles, "triangle")));
-  console.say(summary_of(found.holes, found.holes.loops.size()));
+  console.report(found);
+  console.print(fmt::format("{}: {}", a.input.file, counted(found.triangles, "triangle")));
+  console.print(summary_of(found.holes, found.holes.loops.size()));
 }
 
 void run_fill(FillArguments& a, Console& console) {
@@ -39,11 +39,11 @@ void run_fill(FillArguments& a, Console& console) {
   console.note(a.input.file, made.notes);
   warn_of_losses(a.input.file, a.input.report, a.output.file, made.mesh, console);
   a.output.write(made.mesh, console);
-  console.tell(made);
-  if (!console.says()) return;
-  console.say(fmt::format("{} → {}: {}", a.input.file, a.output.file, counted(made.triangles, "triangle")));
-  console.say(summary_of(made, kMostLines));
-  if (made.report.found.loops.size() > kMostLines) console.say("(--list shows all holes)");
+  console.report(made);
+  if (!console.prints_text()) return;
+  console.print(fmt::format("{} → {}: {}", a.input.file, a.output.file, counted(made.triangles, "triangle")));
+  console.print(summary_of(made, kMostLines));
+  if (made.report.found.loops.size() > kMostLines) console.print("(--list shows all holes)");
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ Command add_fill(CommandLine& app) {
       "  sansmesh fill scan.ply --list\n"
       "  sansmesh fill scan.ply -o closed.ply\n"
       "  sansmesh fill scan.ply -o patched.ply --largest 5");
-  c.tells({told<HolesResult>(), told<FillResult>()});
+  c.announce({report_of<HolesResult>(), report_of<FillResult>()});
   return {&c, [a](Console& console) { run_fill(*a, console); }};
 }
 

@@ -12,7 +12,7 @@ FlowModel FlowInput::open(Console& console) const {
   return opened;
 }
 
-ReadFlow FlowInput::told(const FlowModel& opened, Progress& progress) const {
+ReadFlow FlowInput::report(const FlowModel& opened, Progress& progress) const {
   return {{volume.files},
           opened.volume() ? std::optional(volume_use(*opened.volume(), progress)) : std::nullopt,
           opened.vectors().empty() ? opened.name() : opened.vectors()};

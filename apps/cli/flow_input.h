@@ -24,7 +24,7 @@ struct FlowInput {
 
   /// Warnings are sent to the console.
   FlowModel open(Console& console) const;
-  ReadFlow told(const FlowModel& opened, Progress& progress) const;
+  ReadFlow report(const FlowModel& opened, Progress& progress) const;
 };
 
 /// DATA, --array and --method, --unsteady, --times, --time-interpolation and --memory.

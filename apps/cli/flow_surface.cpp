@@ -27,12 +27,12 @@ void run_flow_surface(const FlowSurfaceArguments& a, Console& console) {
   const TriangleMesh& mesh = made.surface.mesh;
   a.mesh.write(mesh, console);
   console.note(flow.source(), made.notes);
-  console.tell(a.input.told(flow, console.progress()), "input");
-  console.tell(made);
+  console.report(a.input.report(flow, console.progress()), "input");
+  console.report(made);
 
-  console.say_of(flow.name(), summary_of(made.surface.report));
-  console.say(fmt::format("{}: {}, {} vertices, area {:.6g}", a.mesh.file, counted(mesh.triangles.size(), "triangle"),
-                          grouped(mesh.vertices.size()), made.area));
+  console.print_named(flow.name(), summary_of(made.surface.report));
+  console.print(fmt::format("{}: {}, {} vertices, area {:.6g}", a.mesh.file, counted(mesh.triangles.size(), "triangle"),
+                            grouped(mesh.vertices.size()), made.area));
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ Command add_flow_surface(CommandLine& flow) {
       "  sansmesh flow surface office.vtk --seeds 'line(0.5,0.5,1, 4,4,1, 200)' -o stream.ply --preview stream.png\n"
       "  sansmesh flow surface eddies.nek5000 --unsteady --seeds 'line(1,1,0, 5,5,0, 200)' -o path.ply\n"
       "  sansmesh flow surface tornado --seeds 'circle(0.5,0.5,0.02, 0,0,1, 0.2, 100)' --duration 5 -o tube.ply");
-  c.tells({told<ReadFlow>("input"), told<TraceSurfaceResult>()});
+  c.announce({report_of<ReadFlow>("input"), report_of<TraceSurfaceResult>()});
   return {&c, [shared](Console& console) { run_flow_surface(*shared, console); }};
 }
 

@@ -39,7 +39,7 @@ std::string entry_lines(const std::string& left, const std::string& right) {
   return text + "\n";
 }
 
-std::string place_words(const OptionEntry& option) {
+std::string positional_words(const OptionEntry& option) {
   const std::string name = option.several ? option.name() + "..." : option.name();
   return option.required ? name : "[" + name + "]";
 }
@@ -60,7 +60,7 @@ std::string usage_of(const CommandLine& command) {
   bool options = false;
   for (const auto& option : command.options()) {
     if (option->positional())
-      places += " " + place_words(*option);
+      places += " " + positional_words(*option);
     else if (option->required)
       needed += fmt::format(" {} {}", option->names[0], option->value_name);
     else

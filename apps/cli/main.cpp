@@ -118,12 +118,12 @@ int run_line(int argc, char** argv) {
   try {
     const ParsedLine parsed = parse_line(line, {argv + 1, argv + argc});
     chosen = parsed.command;
-    if (parsed.wish == ParsedLine::Wish::run) {
+    if (parsed.action == ParsedLine::Action::run) {
       return run(command_of_line(commands, *chosen), common, kept);
     } else {
-      print_out(parsed.wish == ParsedLine::Wish::version
+      print_out(parsed.action == ParsedLine::Action::version
                     ? "sansmesh " SANSMESH_VERSION "\n"
-                    : help_text(*chosen, parsed.wish == ParsedLine::Wish::help_all));
+                    : help_text(*chosen, parsed.action == ParsedLine::Action::help_all));
       finish_out();
     }
     return 0;

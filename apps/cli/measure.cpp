@@ -20,13 +20,13 @@ void run_measure(const CloudInput& input, Console& console) {
   const MeasureResult made = measure(opened.surface, console.progress());
   const SolidMeasures& m = made.measures;
   console.note(file, made.notes);
-  console.tell(opened.told, "input");
-  console.tell(m);
+  console.report(opened.report, "input");
+  console.report(m);
 
-  console.say(
+  console.print(
       fmt::format("{}: {} vertices, {}", file, grouped(m.topology.vertices), counted(m.whole.triangles, "triangle")));
-  console.say(summary_of(m));
-  console.say("(lengths in the unit of the input; moments about the centre of mass, for density 1)");
+  console.print(summary_of(m));
+  console.print("(lengths in the unit of the input; moments about the centre of mass, for density 1)");
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ Command add_measure(CommandLine& app) {
       "Examples:\n"
       "  sansmesh measure part.ply\n"
       "  sansmesh measure part.stl --json");
-  c.tells({told<ReadSurface>("input"), told<SolidMeasures>()});
+  c.announce({report_of<ReadSurface>("input"), report_of<SolidMeasures>()});
   return {&c, [input](Console& console) { run_measure(*input, console); }};
 }
 

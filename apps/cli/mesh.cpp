@@ -29,16 +29,16 @@ void run_mesh(MeshArguments& a, Console& console) {
   console.note(a.input, notes);
   a.output.write(mesh, console);
   const std::size_t fits = info(function).fits;
-  console.tell(ToldFile{a.input}, "input");
-  console.tell_value("input.fits", fits);
-  console.tell(report);
-  if (!console.says()) return;
+  console.report(FileReport{a.input}, "input");
+  console.report_value("input.fits", fits);
+  console.report(report);
+  if (!console.prints_text()) return;
 
-  console.say(fmt::format("{}: {}, {}", a.input, counted(fits, "local fit"), counted(function.samples(), "sample")));
+  console.print(fmt::format("{}: {}, {}", a.input, counted(fits, "local fit"), counted(function.samples(), "sample")));
   const MeshTopology topology = measure_topology(mesh);
-  say_mesh(a.output.file, mesh, topology.components, topology.closed(), console);
-  if (report.simplices > 0) console.say("traversed " + grouped(report.simplices) + " simplices");
-  if (a.options.measure_quality) console.say(aspect_words(report));
+  print_mesh(a.output.file, mesh, topology.components, topology.closed(), console);
+  if (report.simplices > 0) console.print("traversed " + grouped(report.simplices) + " simplices");
+  if (a.options.measure_quality) console.print(aspect_words(report));
 }
 
 }  // namespace
@@ -57,8 +57,8 @@ Command add_mesh(CommandLine& app) {
       "  sansmesh mesh scan.smf -o quick.stl --block-depth 6\n"
       "  sansmesh mesh scan.smf -o part.ply --box 0,0,0,10,10,5\n"
       "  sansmesh mesh scan.smf -o small.glb --triangles 20000 --preview small.png");
-  c.tells({told<ToldFile>("input"), told_value<std::size_t>("input.fits", "Local fits of the function"),
-           told<MeshReport>()});
+  c.announce({report_of<FileReport>("input"), value_of<std::size_t>("input.fits", "Local fits of the function"),
+              report_of<MeshReport>()});
   return {&c, [a](Console& console) { run_mesh(*a, console); }};
 }
 

@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "console.h"
+#include "file_reports.h"
 #include "sansmesh/io.h"
 #include "sansmesh/mesh/topology_words.h"
-#include "told_files.h"
 
 namespace sansmesh::cli {
 
@@ -30,8 +30,9 @@ void warn_of_losses(const std::string& input, const ReadReport& read, const std:
                     Console& console);
 
 /// Reports a written mesh. Ends the stage of the progress.
-void tell_mesh(const std::string& file, const TriangleMesh& mesh, Console& console, std::string_view key = "output");
+void report_mesh(const std::string& file, const TriangleMesh& mesh, Console& console, std::string_view key = "output");
 /// "a.ply: 1,234 triangles, 620 vertices in 1 component, closed".
-void say_mesh(const std::string& file, const TriangleMesh& mesh, std::size_t components, bool closed, Console& console);
+void print_mesh(const std::string& file, const TriangleMesh& mesh, std::size_t components, bool closed,
+                Console& console);
 
 }  // namespace sansmesh::cli

@@ -33,11 +33,11 @@ void run_normals(const NormalsArguments& a, Console& console) {
   console.note(name, made.notes);
   progress.begin("write");
   write_points(a.output, made.points, {.ascii = a.ascii});
-  console.tell(a.input.told(read, made.points.size()), "input");
-  console.tell(made.report);
-  console.tell(ToldFile{a.output}, "output");
-  console.say(fmt::format("{} ({}) → {}", name, read.format, a.output));
-  console.say(summary_of(made));
+  console.report(a.input.report(read, made.points.size()), "input");
+  console.report(made.report);
+  console.report(FileReport{a.output}, "output");
+  console.print(fmt::format("{} ({}) → {}", name, read.format, a.output));
+  console.print(summary_of(made));
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ Command add_normals(CommandLine& app) {
            "\n\nExamples:\n"
            "  sansmesh normals scan.xyz -o oriented.ply\n"
            "  sansmesh normals scan.xyz -o oriented.ply --neighbours 30 --orient-by up");
-  c.tells({told<ReadCloud>("input"), told<NormalsReport>(), told<ToldFile>("output")});
+  c.announce({report_of<ReadCloud>("input"), report_of<NormalsReport>(), report_of<FileReport>("output")});
   return {&c, [shared](Console& console) { run_normals(*shared, console); }};
 }
 

@@ -75,11 +75,11 @@ void MeshOutput::write(const TriangleMesh& mesh, Console& console) const {
   progress.begin("write");
   write_mesh(file, mesh, {.ascii = ascii});
   if (!preview.empty()) picture.write(preview, image, look);
-  tell_mesh(file, mesh, console);
+  report_mesh(file, mesh, console);
 }
 
 void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
-  c.tells({told<WrittenMesh>("output")});
+  c.announce({report_of<WrittenMesh>("output")});
   const Option file = c.add_option("-o,--output", o.file, "Mesh to write: " + listed_endings(endings_written(kMesh)))
                           .writes(endings_written(kMesh));
   if (required) file.required();

@@ -42,7 +42,7 @@ bool are_numbers(const std::string& word) {
   return std::all_of(parts.begin(), parts.end(), [&](const std::string& part) { return reads_as_number(part, value); });
 }
 
-std::string number_wanted(const OptionEntry& o, const std::string& word) {
+std::string number_hint(const OptionEntry& o, const std::string& word) {
   double value = 0;
   std::string digits = word;
   digits.erase(std::remove(digits.begin(), digits.end(), ','), digits.end());

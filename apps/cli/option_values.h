@@ -24,7 +24,7 @@ long long parse_whole(const std::string& word, long long least, long long most);
 /// Whether a word is a number or a comma-separated list of numbers.
 bool are_numbers(const std::string& word);
 /// Suggestion for a word that is no number, "1,000" or "5mm": ": write 1000"; empty without one.
-std::string number_wanted(const OptionEntry& option, const std::string& word);
+std::string number_hint(const OptionEntry& option, const std::string& word);
 /// Throws ValueError unless the option's entry allows the value.
 void check_value(const OptionEntry& option, const std::string& value);
 

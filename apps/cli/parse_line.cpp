@@ -106,8 +106,8 @@ class LineReader {
   LineReader(CommandLine& root, const std::vector<std::string>& words) : at_(&root), words_(words) {}
 
   ParsedLine read() {
-    if (CommandLine* const asked = help_wanted({"--help", "-h"})) return {ParsedLine::Wish::help, asked};
-    if (CommandLine* const asked = help_wanted({"--help-all"})) return {ParsedLine::Wish::help_all, asked};
+    if (CommandLine* const asked = help_requested({"--help", "-h"})) return {ParsedLine::Action::help, asked};
+    if (CommandLine* const asked = help_requested({"--help-all"})) return {ParsedLine::Action::help_all, asked};
     bool only_words = false;
     for (; next_ < words_.size(); ++next_) {
       const std::string& word = words_[next_];
@@ -120,15 +120,16 @@ class LineReader {
       else if (!at_->commands().empty())
         enter(word);
       else
-        places_.push_back(word), ++said_;
+        positional_.push_back(word), ++typed_;
     }
     if (const OptionEntry* version = at_->root().find("--version"); version && !version->typed.empty())
-      return {ParsedLine::Wish::version, at_};
+      return {ParsedLine::Action::version, at_};
     if (!at_->commands().empty())
-      throw UsageError(*at_, at_->parent() ? at_->name() + " needs one of its commands" : "which command?", said_ == 0);
-    if (said_ == 0) require();
-    hand_out_places();
-    return {ParsedLine::Wish::run, at_};
+      throw UsageError(*at_, at_->parent() ? at_->name() + " needs one of its commands" : "which command?",
+                       typed_ == 0);
+    if (typed_ == 0) require();
+    assign_positional();
+    return {ParsedLine::Action::run, at_};
   }
 
   const std::vector<Given>& given_in_order() const { return given_; }
@@ -140,7 +141,7 @@ class LineReader {
       if (option->required && option->values.empty())
         missing += (missing.empty() ? "" : " and ") + option->name() + " " + option->value_name;
     if (!missing.empty())
-      throw UsageError(*at_, fmt::format("{} needs {}{}", at_->name(), missing, meant_output()), said_ == 0);
+      throw UsageError(*at_, fmt::format("{} needs {}{}", at_->name(), missing, suggested_output()), typed_ == 0);
     for (const auto& option : at_->options())
       if (const OptionEntry* other = at_->find(option->excludes);
           other && !option->typed.empty() && !other->typed.empty())
@@ -162,7 +163,7 @@ class LineReader {
   }
 
   /// The command whose help is requested by one of these options, at any position.
-  CommandLine* help_wanted(const std::vector<std::string>& options) const {
+  CommandLine* help_requested(const std::vector<std::string>& options) const {
     const auto end = std::find(words_.begin(), words_.end(), "--");
     if (std::find_first_of(words_.begin(), end, options.begin(), options.end()) == end) return nullptr;
     CommandLine* command = at_;
@@ -186,7 +187,7 @@ class LineReader {
   }
 
   void read_option(const std::string& word) {
-    ++said_;
+    ++typed_;
     std::string flag = word, value;
     bool attached = false;
     if (word[1] == '-') {  // --flag=value
@@ -239,8 +240,7 @@ class LineReader {
       try {
         parse_real(first);
       } catch (const ValueError& error) {
-        throw UsageError(*at_,
-                         o.typed + (error.what()[0] == 'm' ? " " : ": ") + error.what() + number_wanted(o, first));
+        throw UsageError(*at_, o.typed + (error.what()[0] == 'm' ? " " : ": ") + error.what() + number_hint(o, first));
       }
     }
     if (o.numbers == 0 && !o.several) return o.values.push_back(first);
@@ -255,23 +255,23 @@ class LineReader {
   }
 
   /// Assigns the positional words.
-  void hand_out_places() {
+  void assign_positional() {
     std::size_t next = 0;
     OptionEntry* last = nullptr;
     for (const auto& option : at_->options()) {
       if (!option->positional()) continue;
       last = option.get();
-      const std::size_t end = option->several ? places_.size() : std::min(next + 1, places_.size());
-      for (; next < end; ++next) last->values.push_back(places_[next]), last->typed = last->name();
+      const std::size_t end = option->several ? positional_.size() : std::min(next + 1, positional_.size());
+      for (; next < end; ++next) last->values.push_back(positional_[next]), last->typed = last->name();
     }
-    if (next == places_.size()) return;
+    if (next == positional_.size()) return;
     const std::string what = last ? "one " + last->name() : "options only";
-    throw UsageError(*at_, fmt::format("{} is left over: {} takes {}{}", in_quotes(places_[next]), at_->name(), what,
-                                       meant_numbers(places_[next])));
+    throw UsageError(*at_, fmt::format("{} is left over: {} takes {}{}", in_quotes(positional_[next]), at_->name(),
+                                       what, suggested_option(positional_[next])));
   }
 
   /// " (did you mean --at 1,2,3?)" if one option of the command takes that many numbers, except options of views.
-  std::string meant_numbers(const std::string& word) const {
+  std::string suggested_option(const std::string& word) const {
     if (!are_numbers(word)) return "";
     const auto count = 1 + std::count(word.begin(), word.end(), ',');
     std::string hint;
@@ -284,22 +284,22 @@ class LineReader {
   }
 
   /// " (did you mean -o x.ply?)" if the last word could be an output file and does not exist.
-  std::string meant_output() const {
+  std::string suggested_output() const {
     std::error_code ignored;
-    if (places_.size() < 2 || std::filesystem::exists(places_.back(), ignored)) return "";
+    if (positional_.size() < 2 || std::filesystem::exists(positional_.back(), ignored)) return "";
     for (const auto& option : at_->options())
       if (option->required && option->values.empty() && !option->positional())
         for (const std::string& ending : option->endings)
-          if (places_.back().ends_with(ending))
-            return fmt::format(" (did you mean {} {}?)", option->names[0], printable(places_.back(), 60));
+          if (positional_.back().ends_with(ending))
+            return fmt::format(" (did you mean {} {}?)", option->names[0], printable(positional_.back(), 60));
     return "";
   }
 
   CommandLine* at_;
   const std::vector<std::string>& words_;
   std::size_t next_ = 0;
-  std::size_t said_ = 0;  // words beside those of the command
-  std::vector<std::string> places_;
+  std::size_t typed_ = 0;  // words beside those of the command
+  std::vector<std::string> positional_;
   std::vector<Given> given_;
 };
 
@@ -309,7 +309,7 @@ void use_option(CommandLine& command, const OptionEntry& option, const std::vect
     if (option.use) option.use(values);
   } catch (const ValueError& error) {
     std::string cause = error.what();
-    if (cause.ends_with(" is not a number")) cause += number_wanted(option, values.back());
+    if (cause.ends_with(" is not a number")) cause += number_hint(option, values.back());
     throw UsageError(command,
                      option.typed + (cause.starts_with("must ") ? " " : ": ") + cause +
                          (option.kind == OptionEntry::Kind::text ? did_you_mean_listed(cause, values.back()) : ""));
@@ -352,7 +352,7 @@ std::string of_option(const std::string& message, const OptionEntry& option) {
 ParsedLine parse_line(CommandLine& root, const std::vector<std::string>& words) {
   LineReader reader(root, words);
   const ParsedLine parsed = reader.read();
-  if (parsed.wish != ParsedLine::Wish::run) return parsed;
+  if (parsed.action != ParsedLine::Action::run) return parsed;
   CommandLine& command = *parsed.command;
   name_standard_streams(command);
   use_options(command, command);

@@ -18,8 +18,8 @@ struct UsageError : std::runtime_error {
 };
 
 struct ParsedLine {
-  enum class Wish { run, help, help_all, version };
-  Wish wish = Wish::run;
+  enum class Action { run, help, help_all, version };
+  Action action = Action::run;
   CommandLine* command = nullptr;  ///< the command to run, or to show help for
 };
 

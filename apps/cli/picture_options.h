@@ -6,9 +6,9 @@
 
 #include "command_line.h"
 #include "console.h"
+#include "file_reports.h"
 #include "sansmesh/image.h"
 #include "sansmesh/render_options.h"
-#include "told_files.h"
 
 namespace sansmesh::cli {
 

@@ -49,19 +49,19 @@ void run_probe(const ProbeArguments& a, Console& console) {
     write_points(a.output, points, {.ascii = a.ascii});
   }
   const ProbeFunctionReport& r = made.report;
-  console.tell(ToldFile{a.input}, "input");
-  console.tell(r);
-  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
+  console.report(FileReport{a.input}, "input");
+  console.report(r);
+  if (!a.output.empty()) console.report(FileReport{a.output}, "output");
 
-  console.say_of(a.input, summary_of(made));
-  if (r.points <= kListedPoints) console.tell(made.values, "values");
+  console.print_named(a.input, summary_of(made));
+  if (r.points <= kListedPoints) console.report(made.values, "values");
 }
 
 }  // namespace
 
 Command add_probe(CommandLine& app) {
   CommandLine& c = app.add_subcommand("probe", "Function file → its value, gradient and curvature at points");
-  c.once_called("eval");
+  c.former_name("eval");
   auto a = std::make_shared<ProbeArguments>();
   add_function_input(c, a->input);
   c.add_option("--points", a->points.files, "File of query points; may be repeated (tiles)")
@@ -79,8 +79,8 @@ Command add_probe(CommandLine& app) {
       "  sansmesh probe scan.smf --at 0.1,0.2,0.3\n"
       "  sansmesh probe scan.smf --at 0,0,0 --at 0,0,1 --json\n"
       "  sansmesh probe scan.smf --points probes.xyz -o values.csv");
-  c.tells({told<ToldFile>("input"), told<ProbeFunctionReport>(), told<ToldFile>("output"),
-           told_list<ProbedPlace>("values")});
+  c.announce({report_of<FileReport>("input"), report_of<ProbeFunctionReport>(), report_of<FileReport>("output"),
+              reports_of<ProbedPlace>("values")});
   return {&c, [a](Console& console) { run_probe(*a, console); }};
 }
 

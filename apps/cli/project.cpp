@@ -42,17 +42,17 @@ void run_project(const ProjectArguments& a, Console& console) {
   console.note(input.name(), made.notes);
   progress.begin("write");
   write_points(a.output, made.points, {.ascii = a.ascii});
-  console.tell(input.told(read, count), "input");
-  console.tell(made.report);
-  console.tell(WrittenPoints{a.output, made.points.size()}, "output");
+  console.report(input.report(read, count), "input");
+  console.report(made.report);
+  console.report(WrittenPoints{a.output, made.points.size()}, "output");
 
   const SurfaceProjection& r = made.report.moved;
-  console.say(fmt::format("{}: {} ({})", input.name(), counted(count, "point"), read.format));
+  console.print(fmt::format("{}: {} ({})", input.name(), counted(count, "point"), read.format));
   if (made.report.method != "lop" && !a.options.point_count)
-    console.say(fmt::format("moved by {} on average (root mean square {}, at most {}); {} too far from the samples",
-                            length(r.mean_move), length(r.rms_move), length(r.largest_move), grouped(r.left_out)));
-  console.say(fmt::format("{}: {} by {}{}", a.output, counted(made.points.size(), "point"), made.report.method,
-                          made.points.has_normals() ? ", with normals" : ""));
+    console.print(fmt::format("moved by {} on average (root mean square {}, at most {}); {} too far from the samples",
+                              length(r.mean_move), length(r.rms_move), length(r.largest_move), grouped(r.left_out)));
+  console.print(fmt::format("{}: {} by {}{}", a.output, counted(made.points.size(), "point"), made.report.method,
+                            made.points.has_normals() ? ", with normals" : ""));
 }
 
 }  // namespace
@@ -76,7 +76,7 @@ Command add_project(CommandLine& app) {
            "  sansmesh project probes.xyz --onto scan.ply -o feet.ply --method levin\n"
            "  sansmesh project scan.ply -o dense.ply --point-count 1000000\n"
            "  sansmesh project outliers.ply -o even.ply --method lop --point-count 20000");
-  c.tells({told<ReadCloud>("input"), told<ProjectReport>(), told<WrittenPoints>("output")});
+  c.announce({report_of<ReadCloud>("input"), report_of<ProjectReport>(), report_of<WrittenPoints>("output")});
   return {&c, [shared](Console& console) { run_project(*shared, console); }};
 }
 

@@ -28,15 +28,16 @@ struct RenderArguments {
 };
 
 /// Drawn object with its files.
-struct ToldObject : ReadFiles {
+struct ObjectReport : ReadFiles {
   DrawnObject object;
 
   static const ReportSchema& schema();
 };
 
-constexpr ReportRow kToldObject[] = {reported_base<ReadFiles, ToldObject>(), reported_beside<&ToldObject::object>()};
-constexpr ReportSchema kToldObjectSchema{kToldObject};
-const ReportSchema& ToldObject::schema() { return kToldObjectSchema; }
+constexpr ReportRow kObjectReport[] = {reported_base<ReadFiles, ObjectReport>(),
+                                       reported_beside<&ObjectReport::object>()};
+constexpr ReportSchema kObjectReportSchema{kObjectReport};
+const ReportSchema& ObjectReport::schema() { return kObjectReportSchema; }
 
 /// Files of each object.
 std::vector<CloudInput> inputs_of(const RenderArguments& a, const PictureOptions& options) {
@@ -80,22 +81,22 @@ void run_render(const RenderArguments& a, Console& console) {
   const RenderReport& r = made.report;
   console.note(a.input.name(), made.notes);
   if (r.surface) {
-    console.tell(a.input.told(), "input");
-    console.tell_value("input.format", read.format);
-    console.tell(r);
-    console.tell_stages();
-    console.say(fmt::format("{} ({})", a.input.name(), read.format));
-    console.say(summary_of(*r.surface));
+    console.report(a.input.report(), "input");
+    console.report_value("input.format", read.format);
+    console.report(r);
+    console.report_stages();
+    console.print(fmt::format("{} ({})", a.input.name(), read.format));
+    console.print(summary_of(*r.surface));
   }
-  std::vector<ToldObject> objects_told;
-  objects_told.reserve(r.objects.size());
-  for (std::size_t i = 0; i < r.objects.size(); ++i) objects_told.push_back({inputs[i].told(), r.objects[i]});
-  console.tell(objects_told, "objects");
+  std::vector<ObjectReport> object_reports;
+  object_reports.reserve(r.objects.size());
+  for (std::size_t i = 0; i < r.objects.size(); ++i) object_reports.push_back({inputs[i].report(), r.objects[i]});
+  console.report(object_reports, "objects");
   const WrittenPictures& p = files.written();
-  console.tell(p, "output");
-  console.say(fmt::format("{}: {}{} × {} pixels{}", p.words(),
-                          r.objects.empty() ? "" : counted(r.objects.size(), "object") + ", ", p.width, p.height,
-                          p.files.size() == 1 ? "" : " each"));
+  console.report(p, "output");
+  console.print(fmt::format("{}: {}{} × {} pixels{}", p.words(),
+                            r.objects.empty() ? "" : counted(r.objects.size(), "object") + ", ", p.width, p.height,
+                            p.files.size() == 1 ? "" : " each"));
 }
 
 }  // namespace
@@ -135,8 +136,8 @@ Command add_render(CommandLine& app) {
            "  sansmesh render mesh.ply -o open.png --accessibility\n"
            "  sansmesh render part.xyz -o part.png --surface amls --sharp --color-by mean\n"
            "  sansmesh render scan.ply -o turn.png --surface curvature --frames 72");
-  c.tells({told<ReadFiles>("input"), told_value<std::string>("input.format", "Format of the file"),
-           told<RenderReport>(), told_list<ToldObject>("objects"), told<WrittenPictures>("output")});
+  c.announce({report_of<ReadFiles>("input"), value_of<std::string>("input.format", "Format of the file"),
+              report_of<RenderReport>(), reports_of<ObjectReport>("objects"), report_of<WrittenPictures>("output")});
   return {&c, [shared](Console& console) { run_render(*shared, console); }};
 }
 

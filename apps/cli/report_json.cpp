@@ -103,10 +103,10 @@ void push_report(Json& object, std::string_view key, const ReportSchema& schema,
   place_of(object, key).push_back(std::move(one));
 }
 
-Json json_of_keys(const std::vector<ToldReport>& told) {
+Json json_of_keys(const std::vector<AnnouncedReport>& reports) {
   Json list = Json::array();
   std::set<std::string> known;
-  for (const ToldReport& one : told)
+  for (const AnnouncedReport& one : reports)
     if (one.schema)
       push_rows(list, std::string(one.key) + (one.list ? "[]" : ""), *one.schema, false, known);
     else

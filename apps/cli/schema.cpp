@@ -83,7 +83,7 @@ void add_commands_of(const CommandLine& line, Json& list) {
                       {"text", command->what()},
                       {"common", command->takes_common_options()},
                       {"options", json_of_options(*command)},
-                      {"report", json_of_keys(command->told())}});
+                      {"report", json_of_keys(command->announced())}});
     add_commands_of(*command, list);
   }
 }

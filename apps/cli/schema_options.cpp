@@ -91,8 +91,8 @@ std::string sentence_of(const OptionRow& row, std::string_view text, const Schem
 std::string what_of(const OptionRow& row, const std::string& usual, const SchemaOptions& how) {
   std::string what = sentence_of(row, row.text, how);
   std::vector<std::string> words(row.choices.begin(), row.choices.end());
-  const auto told = [&](const std::string& word) { return word == usual || what.find(word) != std::string::npos; };
-  if (!std::all_of(words.begin(), words.end(), told)) what += ": " + joined_by_or(words);
+  const auto named = [&](const std::string& word) { return word == usual || what.find(word) != std::string::npos; };
+  if (!std::all_of(words.begin(), words.end(), named)) what += ": " + joined_by_or(words);
   const bool number = row.kind == OptionKind::whole || row.kind == OptionKind::real;
   // Positive ranges of lengths are not shown.
   if (const std::string range = row.range.words(); number && std::isfinite(row.range.most) && !range.empty())
@@ -150,7 +150,7 @@ void add_row(CommandLine& c, const OptionRow& row, void* owner, const SchemaOpti
   if (!row.old_name.empty()) entry.old_names.push_back(flag_of_name(row.old_name));
   if (!row.excludes.empty()) entry.excludes = flag_of_name(row.excludes);
   entry.use = [&row, owner](const std::vector<std::string>& words) {
-    in_words_of_the_line([&] { set_option(row, owner, value_of_words(row, words)); });
+    with_flags_in_errors([&] { set_option(row, owner, value_of_words(row, words)); });
   };
 }
 
@@ -180,7 +180,7 @@ void add_schema(CommandLine& c, const OptionSchema& schema, void* options, const
   });
 }
 
-void in_words_of_the_line(const std::function<void()>& call) {
+void with_flags_in_errors(const std::function<void()>& call) {
   try {
     call();
   } catch (const ArgumentError& error) {

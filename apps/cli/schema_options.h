@@ -31,7 +31,7 @@ void add_schema(CommandLine& command, T& options, const SchemaOptions& how = {})
 }
 
 /// Calls `call`; error messages of the library name the option as it was typed. Throws ValueError.
-void in_words_of_the_line(const std::function<void()>& call);
+void with_flags_in_errors(const std::function<void()>& call);
 
 /// Replaces field names by flags in descriptions of options. Called once a command has all of its options.
 void name_flags(CommandLine& command);

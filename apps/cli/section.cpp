@@ -47,15 +47,15 @@ void run_section(const SectionArguments& a, Console& console) {
     progress.begin("write");
     write_text(a.output, a.output.ends_with(".svg") ? section_svg(sections, {.unit = a.unit}) : section_csv(sections));
   }
-  console.tell(opened.told, "input");
-  console.tell(made);
-  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
+  console.report(opened.report, "input");
+  console.report(made);
+  if (!a.output.empty()) console.report(FileReport{a.output}, "output");
 
-  for (std::size_t i = 0; i < std::min(kPrintedPlanes, sections.size()); ++i) console.say(section_words(sections[i]));
-  if (sections.size() > kPrintedPlanes) console.say(fmt::format("… {}", counted(sections.size(), "plane")));
+  for (std::size_t i = 0; i < std::min(kPrintedPlanes, sections.size()); ++i) console.print(section_words(sections[i]));
+  if (sections.size() > kPrintedPlanes) console.print(fmt::format("… {}", counted(sections.size(), "plane")));
   console.note(opened.surface.name(), made.notes);
   if (!a.output.empty())
-    console.say(
+    console.print(
         fmt::format("{}: {} in {}", a.output, counted(made.report.curves, "curve"), counted(sections.size(), "plane")));
 }
 
@@ -77,7 +77,7 @@ Command add_section(CommandLine& app) {
       "  sansmesh section part.ply -o part.svg\n"
       "  sansmesh section part.ply --axis z --count 10 -o slices.svg\n"
       "  sansmesh section part.smf --plane z=0.5 --plane 1,1,0,0 -o cuts.csv");
-  c.tells({told<ReadSurface>("input"), told<SectionResult>(), told<ToldFile>("output")});
+  c.announce({report_of<ReadSurface>("input"), report_of<SectionResult>(), report_of<FileReport>("output")});
   return {&c, [a](Console& console) { run_section(*a, console); }};
 }
 

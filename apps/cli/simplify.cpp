@@ -22,10 +22,10 @@ void run_simplify(SimplifyArguments& a, Console& console) {
   console.note(a.input.file, made.notes);
   warn_of_losses(a.input.file, a.input.report, a.output.file, made.mesh, console);
   a.output.write(made.mesh, console);
-  console.tell(made.report);
-  if (!console.says()) return;
-  console.say(a.input.file + " → " + a.output.file);
-  console.say(summary_of(made));
+  console.report(made.report);
+  if (!console.prints_text()) return;
+  console.print(a.input.file + " → " + a.output.file);
+  console.print(summary_of(made));
 }
 
 }  // namespace
@@ -43,7 +43,7 @@ Command add_simplify(CommandLine& app) {
       "  sansmesh simplify scan.ply -o small.ply --triangles 20000\n"
       "  sansmesh simplify scan.ply -o small.glb --error 0.05\n"
       "  sansmesh simplify scan.ply -o tenth.stl --ratio 0.1 --json");
-  c.tells({told<SimplifyReport>()});
+  c.announce({report_of<SimplifyReport>()});
   return {&c, [a](Console& console) { run_simplify(*a, console); }};
 }
 

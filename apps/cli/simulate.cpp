@@ -76,13 +76,13 @@ void run_simulate(SimulateArguments& a, Console& console) {
   use.part = [&](const Image& image) { return a.picture.part(image, a.picture.chosen()); };
   use.before_more = [&] { console.keep_frames(); };
   const std::vector<std::string> files = write_motion(a.files, made, surface, use, console.progress());
-  console.tell(ToldFile{a.tets}, "input");
-  console.tell_value("input.notes", body.notes());
-  console.tell(plan);
-  console.tell(made.report);
-  console.tell_value("output.files", files);
-  console.say(summary_of(plan, made.report));
-  console.say(WrittenPictures{files}.words() + ": written");
+  console.report(FileReport{a.tets}, "input");
+  console.report_value("input.notes", body.notes());
+  console.report(plan);
+  console.report(made.report);
+  console.report_value("output.files", files);
+  console.print(summary_of(plan, made.report));
+  console.print(WrittenPictures{files}.words() + ": written");
 }
 
 }  // namespace
@@ -106,7 +106,7 @@ Command add_simulate(CommandLine& app) {
       .writes({".csv"});
   c.add_option("--embedded-mesh", a.surface, "Mesh that moves with the tetrahedra, instead of their boundary")
       .reads(endings_read(kPoints))
-      .once_called("--surface");
+      .former_name("--surface");
   const char* const body = "Body";
   c.add_option("--fixed", a.fixed, "List of fixed vertices (.bou), numbered as in TETS").reads({".bou"}).group(body);
   add_schema(c, a.options,
@@ -115,7 +115,7 @@ Command add_simulate(CommandLine& app) {
   const char* const seen = "Volume";
   c.add_option("--embedded-volume", a.volume_file, "Volume that moves with the tetrahedra, for pictures")
       .reads()
-      .once_called("--volume")
+      .former_name("--volume")
       .group(seen);
   c.add_option("--array", a.volume.array, "Array of the volume [the first that varies]").type_name("NAME").group(seen);
   a.colors.add_options(c, seen);
@@ -134,9 +134,10 @@ Command add_simulate(CommandLine& app) {
       "  sansmesh simulate head.msh --forces pull.json --embedded-volume head.vti --preset ct-bone -o head.png\n"
       "  twist.json: {\"fixed\": {\"side\": \"-x\"},\n"
       "               \"handles\": {\"on\": {\"side\": \"+x\"}, \"turn\": {\"axis\": [1, 0, 0], \"degrees\": 180}}}");
-  c.tells({told<ToldFile>("input"), told_value<std::vector<std::string>>("input.notes", "Notes on reading the file"),
-           told<SimulationPlan>(), told<SimulateReport>(),
-           told_value<std::vector<std::string>>("output.files", "Written files")});
+  c.announce({report_of<FileReport>("input"),
+              value_of<std::vector<std::string>>("input.notes", "Notes on reading the file"),
+              report_of<SimulationPlan>(), report_of<SimulateReport>(),
+              value_of<std::vector<std::string>>("output.files", "Written files")});
   return {&c, [shared](Console& console) { run_simulate(*shared, console); }};
 }
 

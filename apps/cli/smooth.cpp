@@ -22,9 +22,9 @@ void run_smooth(SmoothArguments& a, Console& console) {
   console.note(a.input.file, made.notes);
   warn_of_losses(a.input.file, a.input.report, a.output.file, made.mesh, console);
   a.output.write(made.mesh, console);
-  console.tell(made.report);
-  console.say(a.input.file + " → " + a.output.file + ": " + counted(made.mesh.triangles.size(), "triangle"));
-  console.say(summary_of(made.report));
+  console.report(made.report);
+  console.print(a.input.file + " → " + a.output.file + ": " + counted(made.mesh.triangles.size(), "triangle"));
+  console.print(summary_of(made.report));
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ Command add_smooth(CommandLine& app) {
       "  sansmesh smooth scan.ply -o smooth.ply\n"
       "  sansmesh smooth scan.ply -o smoother.ply --shorter-than 2.5\n"
       "  sansmesh smooth part.stl -o part.ply --creases");
-  c.tells({told<SmoothReport>()});
+  c.announce({report_of<SmoothReport>()});
   return {&c, [a](Console& console) { run_smooth(*a, console); }};
 }
 

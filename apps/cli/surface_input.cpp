@@ -18,14 +18,14 @@ const ReportSchema& ReadSurface::schema() {
 
 SurfaceInput open_surface(const CloudInput& input, Console& console) {
   const std::string file = input.name();
-  ReadSurface told{input.told()};
+  ReadSurface report{input.report()};
   ReadReport read;
   const auto opened = [&]() -> AnySurface {
     if (const auto name = input.files.size() == 1 ? parse_isosurface_name(file) : std::nullopt) {
       NamedIsosurface named = open_isosurface(*name, console);
-      told.files = {name->file};
-      told.volume = std::move(named.use);
-      told.value = name->value;
+      report.files = {name->file};
+      report.volume = std::move(named.use);
+      report.value = name->value;
       return {std::move(named.surface), file};
     }
     if (input.is_function()) {
@@ -35,8 +35,8 @@ SurfaceInput open_surface(const CloudInput& input, Console& console) {
     return {to_mesh(input.read(console, read)), file};
   };
   AnySurface surface = opened();
-  told.kind = surface.kind_word();
-  return {std::move(surface), std::move(told), std::move(read)};
+  report.kind = surface.kind_word();
+  return {std::move(surface), std::move(report), std::move(read)};
 }
 
 SolidModel open_solid(const std::string& expression, Console& console) {

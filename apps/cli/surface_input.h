@@ -23,7 +23,7 @@ struct ReadSurface : ReadFiles {
 
 struct SurfaceInput {
   AnySurface surface;
-  ReadSurface told;
+  ReadSurface report;
   ReadReport read;  ///< notes of the reader; empty for functions and isosurfaces
 };
 

@@ -35,17 +35,17 @@ void add_volume_array(CommandLine& c, VolumeInput& input) {
   add_schema(c, input.reconstruction, {.group = "Reconstruction", .only = {"method"}});
 }
 
-bool says_volume(std::vector<std::string>& files) {
-  const bool said = files.size() > 1 && files[0] == "data";
-  if (said) files.erase(files.begin());
-  return said;
+bool take_volume_word(std::vector<std::string>& files) {
+  const bool found = files.size() > 1 && files[0] == "data";
+  if (found) files.erase(files.begin());
+  return found;
 }
 
 bool are_volumes(const std::vector<std::string>& files) {
   return std::all_of(files.begin(), files.end(), holds_volume);
 }
 
-bool names_volume(std::vector<std::string>& files) { return says_volume(files) || are_volumes(files); }
+bool is_volume_input(std::vector<std::string>& files) { return take_volume_word(files) || are_volumes(files); }
 
 NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console) {
   VolumeInput input;

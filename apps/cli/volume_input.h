@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "console.h"
+#include "file_reports.h"
 #include "sansmesh/io/read_volume.h"
 #include "sansmesh/volume_look.h"
 #include "sansmesh/volumes.h"
-#include "told_files.h"
 
 namespace sansmesh::cli {
 
@@ -28,9 +28,9 @@ struct VolumeInput : VolumeModelOptions {
   std::vector<std::string> files;  ///< not empty after parsing
 
   std::string name() const { return volume_name(files); }
-  ReadFiles told() const { return {files}; }
+  ReadFiles report() const { return {files}; }
   /// Also reports its use.
-  ReadVolume told(VolumeModel& volume, Progress& progress) const { return {{files}, volume_use(volume, progress)}; }
+  ReadVolume report(VolumeModel& volume, Progress& progress) const { return {{files}, volume_use(volume, progress)}; }
   /// Warnings are sent to the console.
   VolumeModel open(Console& console) const;
 };
@@ -44,11 +44,11 @@ void add_raw_options(CommandLine& command, VolumeReadOptions& options);
 
 /// Removes the leading word `data` from the files of a command for points. Returns true if it was there, which marks
 /// the files as a volume.
-bool says_volume(std::vector<std::string>& files);
+bool take_volume_word(std::vector<std::string>& files);
 /// Whether every file must be a volume, by its name or content.
 bool are_volumes(const std::vector<std::string>& files);
 /// Whether the leading word `data`, or the files, indicate a volume.
-bool names_volume(std::vector<std::string>& files);
+bool is_volume_input(std::vector<std::string>& files);
 
 /// Isosurface named FILE[ARRAY=VALUE].
 struct NamedIsosurface {

@@ -39,15 +39,15 @@ void run_probe(const ProbeArguments& a, Console& console) {
     write_text(a.output, probe_table(p));
   }
   const std::size_t n = x.size();
-  console.tell(a.input.told(volume, console.progress()), "input");
-  console.tell_value("points", n);
-  console.tell(p.report);
-  if (!a.output.empty()) console.tell(ToldFile{a.output}, "output");
+  console.report(a.input.report(volume, console.progress()), "input");
+  console.report_value("points", n);
+  console.report(p.report);
+  if (!a.output.empty()) console.report(FileReport{a.output}, "output");
 
-  console.say(summary_of(volume, console.progress()));
-  console.say(summary_of(p));
-  if (n <= kListedPoints) console.tell(probed_values(p), "values");
-  if (!a.output.empty()) console.say(fmt::format("{}: {}", a.output, counted(n, "row")));
+  console.print(summary_of(volume, console.progress()));
+  console.print(summary_of(p));
+  if (n <= kListedPoints) console.report(probed_values(p), "values");
+  if (!a.output.empty()) console.print(fmt::format("{}: {}", a.output, counted(n, "row")));
 }
 
 }  // namespace
@@ -65,8 +65,8 @@ Command add_volume_probe(CommandLine& volume) {
            "boundary.\n\nExamples:\n"
            "  sansmesh volume probe fire.vtu --array t --at 0.5,0.5,0.5\n"
            "  sansmesh volume probe post.bin --points where.csv --array Density -o density.csv");
-  c.tells({told<ReadVolume>("input"), told_value<std::size_t>("points", "Query points"), told<ProbeReport>(),
-           told<ToldFile>("output"), told_list<ProbedValue>("values")});
+  c.announce({report_of<ReadVolume>("input"), value_of<std::size_t>("points", "Query points"), report_of<ProbeReport>(),
+              report_of<FileReport>("output"), reports_of<ProbedValue>("values")});
   return {&c, [a](Console& console) { run_probe(*a, console); }};
 }
 

@@ -56,17 +56,17 @@ void run_volume_render(VolumeRenderArguments& a, Console& console) {
   const VolumePictureReport& r = pictures.report();
   const BakeReport* const baked = pictures.baked();
   if (!a.save_transfer.empty()) write_text(a.save_transfer, transfer_function_json(r.transfer));
-  console.tell(a.input.told(volume, progress), "input");
-  console.tell(r);
-  console.tell(files.written(), "output");
-  if (baked) console.tell(*baked, "baked");
+  console.report(a.input.report(volume, progress), "input");
+  console.report(r);
+  console.report(files.written(), "output");
+  if (baked) console.report(*baked, "baked");
 
-  console.say(summary_of(volume, progress));
+  console.print(summary_of(volume, progress));
   const auto [lower, upper] = r.transfer.range();
-  console.say(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.written().words(), lower, upper,
-                          r.why.empty() ? "" : "; " + r.why));
+  console.print(fmt::format("{}: colours over {:.6g} to {:.6g}{}", files.written().words(), lower, upper,
+                            r.why.empty() ? "" : "; " + r.why));
   if (baked)
-    console.say(
+    console.print(
         fmt::format("baked into {}, error {:.3g} % of the range on average, at most {:.3g} % at the tested points{}",
                     counted(baked->bricks, "brick"), 100 * baked->error_mean, 100 * baked->error_most,
                     baked->finished ? "" : "; limited by memory"));
@@ -101,8 +101,8 @@ Command add_volume_render(CommandLine& volume) {
            "  sansmesh volume render head.mhd -o head.png --preset ct-bone\n"
            "  sansmesh volume render bluntfinxyz.bin --array Density -o fin.png --iso 2.5 --clip 'y>4' --axes\n"
            "  sansmesh volume render fire.vtu --array t --opacity-by mfrac -o fire.png --frames 36");
-  c.tells({told<ReadVolume>("input"), told<VolumePictureReport>(), told<WrittenPictures>("output"),
-           told<BakeReport>("baked")});
+  c.announce({report_of<ReadVolume>("input"), report_of<VolumePictureReport>(), report_of<WrittenPictures>("output"),
+              report_of<BakeReport>("baked")});
   return {&c, [shared](Console& console) { run_volume_render(*shared, console); }};
 }
 

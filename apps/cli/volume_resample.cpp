@@ -28,11 +28,11 @@ void run_resample(const ResampleArguments& a, Console& console) {
   console.note(volume.name(), made.notes);
   console.progress().begin("write");
   write_volume(a.output, made.block);
-  console.tell(a.input.told(volume, console.progress()), "input");
-  console.tell(ToldFile{a.output}, "output");
-  console.tell(made.report);
-  console.say(summary_of(volume, console.progress()));
-  console.say(a.output + ": " + lattice_words(made.report.size, made.report.inside));
+  console.report(a.input.report(volume, console.progress()), "input");
+  console.report(FileReport{a.output}, "output");
+  console.report(made.report);
+  console.print(summary_of(volume, console.progress()));
+  console.print(a.output + ": " + lattice_words(made.report.size, made.report.inside));
 }
 
 }  // namespace
@@ -50,7 +50,7 @@ Command add_volume_resample(CommandLine& volume) {
            "\n\nExamples:\n"
            "  sansmesh volume resample combustion.vts --array Density --size 256 -o density.vti\n"
            "  sansmesh volume resample amr.vthb --array Fraction --size 128 64 64 --method linear -o fraction.mhd");
-  c.tells({told<ReadVolume>("input"), told<ToldFile>("output"), told<ResampleReport>()});
+  c.announce({report_of<ReadVolume>("input"), report_of<FileReport>("output"), report_of<ResampleReport>()});
   return {&c, [a](Console& console) { run_resample(*a, console); }};
 }
 

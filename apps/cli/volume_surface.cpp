@@ -61,10 +61,10 @@ void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfac
   const DrawnSurfaceInVolume drawn =
       draw_surface_in_volume(surface, volume, a.look, a.picture.chosen(), files.writer(), console.progress());
   console.note(volume.name(), drawn.notes);
-  if (drawn.colors && !drawn.colors->curvature) console.tell(*drawn.colors, "colors");
-  console.tell(drawn.rays, "rays");
-  console.tell(files.written(), "output");
-  console.say(files.written().size_line());
+  if (drawn.colors && !drawn.colors->curvature) console.report(*drawn.colors, "colors");
+  console.report(drawn.rays, "rays");
+  console.report(files.written(), "output");
+  console.print(files.written().size_line());
 }
 
 void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
@@ -74,10 +74,10 @@ void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surfa
   console.note(volume.name(), made.notes);
   console.progress().begin("write");
   write_mesh(a.output, made.mesh, {.ascii = a.ascii});
-  tell_mesh(a.output, made.mesh, console);
-  console.tell(r);
-  say_mesh(a.output, made.mesh, static_cast<std::size_t>(r.mesh.components), r.volume.has_value(), console);
-  console.say(area_words(r.area, r.volume));
+  report_mesh(a.output, made.mesh, console);
+  console.report(r);
+  print_mesh(a.output, made.mesh, static_cast<std::size_t>(r.mesh.components), r.volume.has_value(), console);
+  console.print(area_words(r.area, r.volume));
 }
 
 void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
@@ -87,9 +87,9 @@ void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
   if (!a.look.color_by.empty() && !a.look.curvature()) volume.scalar_choice(a.look.color_by, "color_by");
   const auto made = std::make_shared<const SurfaceInVolume>(surface_in_volume(volume, a.options, progress));
   const SurfaceInVolume& surface = *made;
-  console.tell(a.input.told(volume, progress), "input");
-  console.tell(surface);
-  console.say(summary_of(surface, volume, progress));
+  console.report(a.input.report(volume, progress), "input");
+  console.report(surface);
+  console.print(summary_of(surface, volume, progress));
   console.note(volume.name(), surface.notes);
   std::optional<PointSet> points;
   if (!a.points.empty()) points = points_of_surface(surface, a.distance, progress);
@@ -99,8 +99,8 @@ void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
     write_surface(a, surface, volume, console);
   if (!points) return;
   write_points(a.points, *points, {});
-  console.say(fmt::format("{}: {}", a.points, counted(points->size(), "point")));
-  console.tell(WrittenPoints{a.points, points->size()}, "points");
+  console.print(fmt::format("{}: {}", a.points, counted(points->size(), "point")));
+  console.report(WrittenPoints{a.points, points->size()}, "points");
 }
 
 }  // namespace
@@ -114,10 +114,10 @@ Command add_volume_surface(CommandLine& volume) {
       .writes({".png", ".ply", ".obj", ".stl", ".off", ".glb", ".vtp"});
   c.add_option("--points-output", a.points, "Write evenly spread points of the surface with normals")
       .writes(endings_written(kPoints))
-      .once_called("--points");
+      .former_name("--points");
   c.add_option("--point-spacing", a.distance, "Distance between these points [the spacing of the samples]")
       .type_name("LENGTH")
-      .once_called("--distance");
+      .former_name("--distance");
   add_schema(c, a.options, {.only = {"value", "high_gradient"}});
   add_schema(c, a.options.surface, {.group = "Weights", .without = {"high_gradient"}});
   add_schema(c, a.look, {.group = "Picture"});
@@ -130,9 +130,9 @@ Command add_volume_surface(CommandLine& volume) {
            "  sansmesh volume surface head.mhd --value 1150 -o skull.png\n"
            "  sansmesh volume surface engine.nrrd --high-gradient -o engine.ply\n"
            "  sansmesh volume surface fire.vtu --array t --value 1000 --color-by mfrac -o hot.png");
-  c.tells({told<ReadVolume>("input"), told<SurfaceInVolume>(), told<ShownColors>("colors"), told<CastCounts>("rays"),
-           told<WrittenPictures>("output"), told<WrittenMesh>("output"), told<MeshInVolumeReport>(),
-           told<WrittenPoints>("points")});
+  c.announce({report_of<ReadVolume>("input"), report_of<SurfaceInVolume>(), report_of<ShownColors>("colors"),
+              report_of<CastCounts>("rays"), report_of<WrittenPictures>("output"), report_of<WrittenMesh>("output"),
+              report_of<MeshInVolumeReport>(), report_of<WrittenPoints>("points")});
   return {&c, [shared](Console& console) { run_volume_surface(*shared, console); }};
 }
 

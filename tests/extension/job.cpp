@@ -6,10 +6,10 @@
 
 #include "cloud_input.h"
 #include "command.h"
+#include "file_reports.h"
 #include "sansmesh/io.h"
 #include "sansmesh/progress.h"
 #include "schema_options.h"
-#include "told_files.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -50,12 +50,12 @@ cli::Command add_shift(cli::CommandLine& app) {
   cli::add_cloud_input(c, a->input, "Points");
   c.add_option("-o,--output", a->output, "Points to write").writes().required();
   cli::add_schema(c, a->options);
-  c.tells({cli::told<cli::WrittenPoints>("output")});
+  c.announce({cli::report_of<cli::WrittenPoints>("output")});
   return {&c, [a](cli::Console& console) {
             ReadReport read;
             const PointSet moved = shift(a->input.read(console, read), a->options, console.progress());
             write_points(a->output, moved);
-            console.tell(cli::WrittenPoints{a->output, moved.size()}, "output");
+            console.report(cli::WrittenPoints{a->output, moved.size()}, "output");
           }};
 }
 

@@ -33,7 +33,7 @@ struct ReadMesh {
 };
 
 /// A file of any kind, read or written.
-struct ToldFile {
+struct FileReport {
   std::string file;
 
   static const ReportSchema& schema();

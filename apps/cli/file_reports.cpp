@@ -1,4 +1,4 @@
-#include "told_files.h"
+#include "file_reports.h"
 
 #include <fmt/core.h>
 
@@ -21,7 +21,7 @@ constexpr ReportRow kReadCloud[] = {reported_base<ReadFiles, ReadCloud>(),
                                     reported<&ReadCloud::points>({.text = "Points or vertices of the input"})};
 constexpr ReportRow kReadMesh[] = {reported<&ReadMesh::file>({.text = "File"}),
                                    reported<&ReadMesh::triangles>({.text = "Triangles of the mesh"})};
-constexpr ReportRow kToldFile[] = {reported<&ToldFile::file>({.text = "File"})};
+constexpr ReportRow kFileReport[] = {reported<&FileReport::file>({.text = "File"})};
 constexpr ReportRow kWrittenPoints[] = {reported<&WrittenPoints::file>({.text = "File"}),
                                         reported<&WrittenPoints::points>({.text = "Points in the file"})};
 constexpr ReportRow kWrittenMesh[] = {reported<&WrittenMesh::file>({.text = "File"}),
@@ -48,7 +48,7 @@ constexpr ReportSchema kSchema{rows};
 const ReportSchema& ReadFiles::schema() { return kSchema<kReadFiles>; }
 const ReportSchema& ReadCloud::schema() { return kSchema<kReadCloud>; }
 const ReportSchema& ReadMesh::schema() { return kSchema<kReadMesh>; }
-const ReportSchema& ToldFile::schema() { return kSchema<kToldFile>; }
+const ReportSchema& FileReport::schema() { return kSchema<kFileReport>; }
 const ReportSchema& WrittenPoints::schema() { return kSchema<kWrittenPoints>; }
 const ReportSchema& WrittenMesh::schema() { return kSchema<kWrittenMesh>; }
 const ReportSchema& WrittenPictures::schema() { return kSchema<kWrittenPictures>; }
