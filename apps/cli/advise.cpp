@@ -101,7 +101,7 @@ Command add_advise(CommandLine& app) {
             if (!named && !volume->read.raw.given()) {
               require(volume->array.empty(),
                       "--array is for volumes: `advise data FILE` treats points as samples of one");
-              return run_advise(*input, app.subcommand("reconstruct"), console);
+              return run_advise(*input, *app.subcommand("reconstruct"), console);
             }
             volume->files = input->files;
             run_volume_advise(*volume, console);

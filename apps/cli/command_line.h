@@ -73,34 +73,31 @@ class CommandLine {
   const std::vector<AnnouncedReport>& announced() const { return announced_; }
 
   /// For other kinds of options (schema_options.h).
-  OptionEntry& add_entry(const std::string& names, OptionEntry::Kind kind, const std::string& what) {
-    return add(names, kind, what);
-  }
+  OptionEntry& add_entry(const std::string& names, OptionEntry::Kind kind, const std::string& what);
 
   /// Adds a subcommand; it lives as long as this.
   CommandLine& add_subcommand(const std::string& name, const std::string& what);
   /// Former name of the command: accepted with a warning.
   void former_name(const std::string& name) { old_name_ = name; }
   const std::string& old_name() const { return old_name_; }
-  /// Whether the word is its current or former name.
-  bool is_called(const std::string& word) const { return name_ == word || (!word.empty() && old_name_ == word); }
   /// True if the user typed the former name.
   bool called_by_old_name = false;
 
-  /// Direct subcommand of that name.
-  const CommandLine& subcommand(const std::string& name) const;
+  /// Direct subcommand with this current or former name; null if there is none.
+  CommandLine* subcommand(const std::string& word) const;
   /// The global options do not apply to this command.
   void without_common_options() { common_ = false; }
 
   /// Whether the command or the whole tool has that option.
   bool has(const std::string& flag) const { return find(flag) != nullptr; }
   /// Option by its flag; null if there is none.
-  const OptionEntry* find(const std::string& flag) const;
-  OptionEntry* find(const std::string& flag);
+  OptionEntry* find(const std::string& flag) const;
 
   const std::string& name() const { return name_; }
   /// "sansmesh volume probe".
   std::string full_name() const;
+  /// "volume probe"; empty for the whole tool.
+  std::string path() const;
   const std::string& what() const { return what_; }
   const std::string& footer() const { return footer_; }
   const CommandLine* parent() const { return parent_; }
@@ -108,11 +105,13 @@ class CommandLine {
   CommandLine& root();
   bool takes_common_options() const { return common_; }
   const std::vector<std::unique_ptr<OptionEntry>>& options() const { return options_; }
+  /// Direct subcommands.
   const std::vector<std::unique_ptr<CommandLine>>& commands() const { return commands_; }
+  std::vector<std::string> command_names() const;
+  /// This and all subcommands at any depth, each after its parent.
+  std::vector<const CommandLine*> with_subcommands() const;
 
  private:
-  OptionEntry& add(const std::string& names, OptionEntry::Kind kind, const std::string& what);
-
   std::string name_, what_, footer_, old_name_;
   CommandLine* parent_ = nullptr;
   bool common_ = true;

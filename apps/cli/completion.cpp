@@ -12,19 +12,12 @@
 namespace sansmesh::cli {
 namespace {
 
-/// All commands with subcommands or options, with their names below the root: "", "reconstruct", "volume", "volume
-/// probe".
-void collect_commands(const CommandLine& line, const std::string& name,
-                      std::vector<std::pair<std::string, const CommandLine*>>& all) {
-  all.emplace_back(name, &line);
-  for (const auto& command : line.commands())
-    collect_commands(*command, name.empty() ? command->name() : name + " " + command->name(), all);
-}
-
-std::vector<std::pair<std::string, const CommandLine*>> all_commands(const CommandLine& root) {
-  std::vector<std::pair<std::string, const CommandLine*>> all;
-  collect_commands(root, "", all);
-  return all;
+/// "'reconstruct'|'volume'|'volume probe'" with this separator.
+std::string quoted_paths(const CommandLine& root, const char* separator) {
+  std::vector<std::string> paths;
+  for (const CommandLine* const command : root.with_subcommands())
+    if (command->parent()) paths.push_back("'" + command->path() + "'");
+  return fmt::format("{}", fmt::join(paths, separator));
 }
 
 /// A command's own and global options, without positional ones.
@@ -139,14 +132,14 @@ std::string zsh_option(const OptionEntry& option) {
   return text;
 }
 
-std::string function_name(const std::string& command) {
-  std::string name = "_sansmesh";
-  for (const char c : command.empty() ? command : " " + command) name += c == ' ' ? '_' : c;
+std::string function_name(const CommandLine& command) {
+  std::string name = "_" + command.full_name();
+  std::replace(name.begin(), name.end(), ' ', '_');
   return name;
 }
 
-std::string zsh_function(const std::string& name, const CommandLine& command) {
-  std::string text = function_name(name) + "() {\n";
+std::string zsh_function(const CommandLine& command) {
+  std::string text = function_name(command) + "() {\n";
   const bool further = !command.commands().empty();
   if (further) text += "  local curcontext=$curcontext state line\n  typeset -A opt_args\n";
   text += further ? "  _arguments -C \\\n" : "  _arguments -s -S \\\n";
@@ -163,9 +156,7 @@ std::string zsh_function(const std::string& name, const CommandLine& command) {
   text += "  case $state in\n    command)\n      local -a commands=(\n";
   for (const auto& c : command.commands()) text += fmt::format("        '{}:{}'\n", c->name(), zsh_text(c->what()));
   text += "      )\n      _describe command commands ;;\n    argument)\n      case $line[1] in\n";
-  for (const auto& c : command.commands())
-    text +=
-        fmt::format("        {}) {} ;;\n", c->name(), function_name(name.empty() ? c->name() : name + " " + c->name()));
+  for (const auto& c : command.commands()) text += fmt::format("        {}) {} ;;\n", c->name(), function_name(*c));
   return text + "      esac ;;\n  esac\n}\n";
 }
 
@@ -201,8 +192,8 @@ std::string fish_words(const OptionEntry& option) {
   return "";
 }
 
-std::string fish_lines(const std::string& name, const CommandLine& command) {
-  const std::string begin = fmt::format("complete -c sansmesh -n '__sansmesh_at \"{}\"'", name);
+std::string fish_lines(const CommandLine& command) {
+  const std::string begin = fmt::format("complete -c sansmesh -n '__sansmesh_at \"{}\"'", command.path());
   std::string text;
   for (const auto& c : command.commands())
     text += fmt::format("{} -a {} -d {}\n", begin, c->name(), in_single_quotes(c->what(), "\\'"));
@@ -225,59 +216,50 @@ std::string fish_lines(const std::string& name, const CommandLine& command) {
 }  // namespace
 
 std::string bash_completion(const CommandLine& root) {
-  const auto commands = all_commands(root);
+  const std::vector<const CommandLine*> commands = root.with_subcommands();
   std::string text = kBashBegin;
-  std::vector<std::string> names;
-  for (const auto& [name, command] : commands)
-    if (!name.empty()) names.push_back("'" + name + "'");
-  text += fmt::format("      {}) command=$word ;;\n    esac\n  done\n", fmt::join(names, "|"));
+  text += fmt::format("      {}) command=$word ;;\n    esac\n  done\n", quoted_paths(root, "|"));
   // Options with the same completion share one line.
   std::map<std::string, std::vector<std::string>> values;
-  for (const auto& [name, command] : commands)
+  for (const CommandLine* const command : commands)
     for (const OptionEntry* option : typed_options(*command))
       for (const std::string& flag : option->names)
         if (option->kind != OptionEntry::Kind::flag && !option->implied)
-          values[bash_action(*option)].push_back(fmt::format("'{} {}'", name, flag));
+          values[bash_action(*option)].push_back(fmt::format("'{} {}'", command->path(), flag));
   text += "  case \"$command $previous\" in\n";
   for (const auto& [action, patterns] : values)
     text += fmt::format("    {})\n      {}return ;;\n", fmt::join(patterns, "|"), action.empty() ? "" : action + "; ");
   text += "  esac\n  if [[ $current == -* ]]; then\n    case $command in\n";
-  for (const auto& [name, command] : commands) {
+  for (const CommandLine* const command : commands) {
     std::vector<std::string> flags;
     for (const OptionEntry* option : typed_options(*command))
       flags.insert(flags.end(), option->names.begin(), option->names.end());
-    text += fmt::format("      '{}') _sansmesh_words '{}' ;;\n", name, fmt::join(flags, " "));
+    text += fmt::format("      '{}') _sansmesh_words '{}' ;;\n", command->path(), fmt::join(flags, " "));
   }
   text += "    esac\n    return\n  fi\n  case $command in\n";
-  for (const auto& [name, command] : commands) {
+  for (const CommandLine* const command : commands) {
     std::string action;
     if (!command->commands().empty()) {
-      std::vector<std::string> further;
-      for (const auto& c : command->commands()) further.push_back(c->name());
-      action = fmt::format("_sansmesh_words '{}'", fmt::join(further, " "));
+      action = fmt::format("_sansmesh_words '{}'", fmt::join(command->command_names(), " "));
     } else if (const auto places = positional_options(*command); !places.empty()) {
       action = bash_action(*places.back());
     }
-    if (!action.empty()) text += fmt::format("    '{}') {} ;;\n", name, action);
+    if (!action.empty()) text += fmt::format("    '{}') {} ;;\n", command->path(), action);
   }
   return text + kBashEnd;
 }
 
 std::string zsh_completion(const CommandLine& root) {
   std::string text = "#compdef sansmesh\n# Completion of sansmesh for zsh, made by `sansmesh completion zsh`.\n";
-  for (const auto& [name, command] : all_commands(root)) text += zsh_function(name, *command);
+  for (const CommandLine* const command : root.with_subcommands()) text += zsh_function(*command);
   // A file in $fpath is called as a function; a sourced script must register itself.
   return text +
          "if [[ $funcstack[1] == _sansmesh ]]; then\n  _sansmesh \"$@\"\nelse\n  compdef _sansmesh sansmesh\nfi\n";
 }
 
 std::string fish_completion(const CommandLine& root) {
-  const auto commands = all_commands(root);
-  std::vector<std::string> names;
-  for (const auto& [name, command] : commands)
-    if (!name.empty()) names.push_back("'" + name + "'");
-  std::string text = fmt::format("set -g __sansmesh_commands {}\n{}", fmt::join(names, " "), kFishBegin);
-  for (const auto& [name, command] : commands) text += fish_lines(name, *command);
+  std::string text = fmt::format("set -g __sansmesh_commands {}\n{}", quoted_paths(root, " "), kFishBegin);
+  for (const CommandLine* const command : root.with_subcommands()) text += fish_lines(*command);
   return text;
 }
 

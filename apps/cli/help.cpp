@@ -11,15 +11,6 @@
 #include "standard_output.h"
 
 namespace sansmesh::cli {
-namespace {
-
-/// Writes the pages of a command and of its subcommands.
-void write_pages(const CommandLine& command, const std::string& folder) {
-  write_text(folder + "/" + manual_page_name(command), manual_page(command, SANSMESH_VERSION));
-  for (const auto& further : command.commands()) write_pages(*further, folder);
-}
-
-}  // namespace
 
 Command add_help(CommandLine& app) {
   CommandLine& c = app.add_subcommand("help", "Help on a command");
@@ -82,10 +73,9 @@ Command add_manual(CommandLine& app) {
       "  sansmesh manual --folder ~/.local/share/man/man1");
   return {&c, [words, folder, &app](Console&) {
             const CommandLine& command = command_of(app, *words);
-            if (folder->empty())
-              print_out(manual_page(command, SANSMESH_VERSION));
-            else
-              write_pages(command, *folder);
+            if (folder->empty()) return print_out(manual_page(command, SANSMESH_VERSION));
+            for (const CommandLine* const page : command.with_subcommands())
+              write_text(*folder + "/" + manual_page_name(*page), manual_page(*page, SANSMESH_VERSION));
           }};
 }
 

@@ -6,12 +6,13 @@
 #include <cctype>
 
 #include "help_levels.h"
+#include "sansmesh/core/option_text.h"
 
 namespace sansmesh::cli {
 namespace {
 
 constexpr std::size_t kWidth = 110, kColumn = 28;
-constexpr const char* kExamplesHeading = "Examples:\n";
+constexpr std::string_view kExamplesHeading = "Examples:\n";
 
 /// Number of UTF-8 characters.
 std::size_t shown_width(const std::string& text) {
@@ -23,18 +24,16 @@ std::size_t shown_width(const std::string& text) {
 std::string entry_lines(const std::string& left, const std::string& right) {
   std::string text = "  " + left;
   std::size_t at = shown_width(text);
-  if (at + 1 > kColumn && !right.empty()) text += "\n", at = 0;
+  if (right.empty()) return text + "\n";
+  if (at + 1 > kColumn) text += "\n", at = 0;
   bool first = true;
-  for (std::size_t begin = 0; begin < right.size();) {
-    const std::size_t end = std::min(right.find(' ', begin), right.size());
-    const std::string word = right.substr(begin, end - begin);
+  for (const std::string& word : parts_between(right, ' ')) {
     if (!first && at + 1 + shown_width(word) > kWidth) text += "\n", at = 0;
     if (at < kColumn)
       text += std::string(kColumn - at, ' '), at = kColumn;
     else
       text += ' ', ++at;
     text += word, at += shown_width(word), first = false;
-    begin = end + 1;
   }
   return text + "\n";
 }
@@ -74,11 +73,9 @@ std::vector<std::string> examples_of(const CommandLine& command) {
   const std::size_t at = footer.find(kExamplesHeading);
   std::vector<std::string> examples;
   if (at == std::string::npos) return examples;
-  for (std::size_t begin = at + std::string(kExamplesHeading).size(); begin < footer.size();) {
-    const std::size_t end = std::min(footer.find('\n', begin), footer.size());
-    if (footer.compare(begin, 2, "  ") != 0) break;
-    examples.push_back(footer.substr(begin + 2, end - begin - 2));
-    begin = end + 1;
+  for (const std::string& line : parts_between(footer.substr(at + kExamplesHeading.size()), '\n')) {
+    if (!line.starts_with("  ")) break;
+    examples.push_back(line.substr(2));
   }
   return examples;
 }
@@ -87,7 +84,7 @@ std::string remarks_of(const CommandLine& command) {
   const std::string& footer = command.footer();
   const std::size_t at = footer.find(kExamplesHeading);
   if (at == std::string::npos) return footer;
-  std::size_t after = at + std::string(kExamplesHeading).size();
+  std::size_t after = at + kExamplesHeading.size();
   while (after < footer.size() && footer.compare(after, 2, "  ") == 0)
     after = std::min(footer.find('\n', after), footer.size() - 1) + 1;
   std::string text = footer.substr(0, at) + footer.substr(after);
@@ -145,8 +142,9 @@ std::string names_in(const OptionGroup& group) {
   return names;
 }
 
-std::string words_of_command(const CommandLine& command) {
-  return command.parent() ? command.full_name().substr(command.root().name().size()) : "";
+/// "sansmesh help volume probe".
+std::string help_line(const CommandLine& command) {
+  return command.root().name() + " help" + (command.parent() ? " " + command.path() : "");
 }
 
 }  // namespace
@@ -170,22 +168,19 @@ std::string help_text(const CommandLine& command, bool all) {
     text += "\nCommands:\n";
     for (const auto& further : command.commands()) text += entry_lines(further->name(), further->what());
   }
-  const std::string& tool = command.root().name();
   std::string named;
   for (const OptionGroup& group : option_groups_of(command)) {
     text += lines_of_group(group, all);
     if (all) continue;
     if (group.heading == kViewGroup)
-      named += entry_lines(word_of_heading(group.heading), "Size and view of pictures: " + tool + " help view");
+      named += entry_lines(word_of_heading(group.heading),
+                           "Size and view of pictures: " + command.root().name() + " help view");
     else if (const std::string names = names_in(group); !names.empty())
       named += entry_lines(word_of_heading(group.heading), names);
   }
-  if (!named.empty()) {
-    const std::string words = words_of_command(command);
-    text += fmt::format("\nMore options: {}{} --help-all, or {} help{} and one of these words:\n", tool, words, tool,
-                        words);
-    text += named;
-  }
+  if (!named.empty())
+    text += fmt::format("\nMore options: {} --help-all, or {} and one of these words:\n{}", command.full_name(),
+                        help_line(command), named);
   if (!command.footer().empty())
     text += "\n" + command.footer().substr(command.footer().find_first_not_of('\n')) + "\n";
   return text;
@@ -199,7 +194,7 @@ std::string short_help(const CommandLine& command) {
   const std::vector<std::string> examples = examples_of(command);
   if (!examples.empty()) text += "\nFor example:\n";
   for (std::size_t i = 0; i < std::min<std::size_t>(3, examples.size()); ++i) text += "  " + examples[i] + "\n";
-  return text + "\nMore: " + command.root().name() + " help" + words_of_command(command) + "\n";
+  return text + "\nMore: " + help_line(command) + "\n";
 }
 
 }  // namespace sansmesh::cli

@@ -73,8 +73,8 @@ void report(const UsageError& error) {
     print_err(short_help(*error.command));
     return;
   }
-  const std::string command = error.command->full_name().substr(error.command->root().name().size());
-  print_error(fmt::format("{} (see sansmesh help{})", error.what(), command));
+  print_error(fmt::format("{} (see sansmesh help{}{})", error.what(), error.command->parent() ? " " : "",
+                          error.command->path()));
 }
 
 /// Prints an error as text and, with --json, as data; `kind` is argument, file, data, interrupted or other.

@@ -30,15 +30,9 @@ bool begins_like_a_number(const std::string& word) {
 
 std::string joined_by_commas(const std::vector<std::string>& parts) { return fmt::format("{}", fmt::join(parts, ",")); }
 
-std::vector<std::string> names_of_commands(const CommandLine& line) {
-  std::vector<std::string> names;
-  for (const auto& command : line.commands()) names.push_back(command->name());
-  return names;
-}
-
 /// "unknown command 'prob' of volume (did you mean probe?)".
 UsageError unknown_command(const CommandLine& at, const std::string& word) {
-  std::string hint = did_you_mean(word, names_of_commands(at));
+  std::string hint = did_you_mean(word, at.command_names());
   if (!at.parent()) {
     for (const auto& option : at.options())  // version
       if (option->name() == "--" + word) hint = " (did you mean " + option->name() + "?)";
@@ -60,15 +54,6 @@ void add_names_of_options(const CommandLine& line, std::vector<std::string>& nam
     if (!option->positional()) names.insert(names.end(), option->names.begin(), option->names.end());
 }
 
-/// Full names, without "sansmesh", of the commands that have this option.
-void add_commands_with(const std::string& flag, const CommandLine& line, std::vector<std::string>& names) {
-  for (const auto& command : line.commands()) {
-    if (command->commands().empty() && command->has(flag))
-      names.push_back(command->full_name().substr(line.root().name().size() + 1));
-    add_commands_with(flag, *command, names);
-  }
-}
-
 UsageError unknown_option(const CommandLine& at, const std::string& flag) {
   if (at.root().has(flag)) return UsageError(at, fmt::format("{} means nothing to {}", flag, at.name()));
   std::vector<std::string> known;
@@ -81,7 +66,9 @@ UsageError unknown_option(const CommandLine& at, const std::string& flag) {
   if (at.has("--" + flag.substr(bare))) hint = fmt::format(" (did you mean --{}?)", flag.substr(bare));
   if (hint.empty()) hint = did_you_mean(flag, known);
   std::vector<std::string> others;
-  if (hint.empty() || !at.commands().empty()) add_commands_with(flag, at.root(), others);
+  if (hint.empty() || !at.commands().empty())
+    for (const CommandLine* const command : at.root().with_subcommands())
+      if (command->commands().empty() && command->has(flag)) others.push_back(command->path());
   if (!others.empty()) {
     if (others.size() > 4) others.resize(4), others.back() = "others";
     std::string list;
@@ -168,22 +155,15 @@ class LineReader {
     if (std::find_first_of(words_.begin(), end, options.begin(), options.end()) == end) return nullptr;
     CommandLine* command = at_;
     for (auto word = words_.begin(); word != end; ++word)
-      for (const auto& further : command->commands())
-        if (further->is_called(*word)) {
-          command = further.get();
-          break;
-        }
+      if (CommandLine* const further = command->subcommand(*word)) command = further;
     return command;
   }
 
   void enter(const std::string& word) {
-    for (const auto& command : at_->commands())
-      if (command->is_called(word)) {
-        at_ = command.get();
-        at_->called_by_old_name = at_->name() != word;
-        return;
-      }
-    throw unknown_command(*at_, word);
+    CommandLine* const command = at_->subcommand(word);
+    if (!command) throw unknown_command(*at_, word);
+    at_ = command;
+    at_->called_by_old_name = at_->name() != word;
   }
 
   void read_option(const std::string& word) {
@@ -372,10 +352,9 @@ const CommandLine& command_of(const CommandLine& root, const std::vector<std::st
   for (const std::string& word : words) {
     if (at->commands().empty())
       throw UsageError(*at, fmt::format("{} has no commands, so {} is unknown", at->name(), in_quotes(word)));
-    const auto found = std::find_if(at->commands().begin(), at->commands().end(),
-                                    [&](const auto& command) { return command->name() == word; });
-    if (found == at->commands().end()) throw unknown_command(*at, word);
-    at = found->get();
+    const CommandLine* const command = at->subcommand(word);
+    if (!command) throw unknown_command(*at, word);
+    at = command;
   }
   return *at;
 }

@@ -1,5 +1,4 @@
 // Command `schema`: prints all commands and options as data for programs.
-#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -7,6 +6,7 @@
 
 #include "commands.h"
 #include "json.h"
+#include "sansmesh/core/option_text.h"
 #include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/flow/flow_integrator.h"
 #include "sansmesh/io/formats.h"
@@ -76,25 +76,15 @@ Json json_of_options(const CommandLine& line) {
   return options;
 }
 
-void add_commands_of(const CommandLine& line, Json& list) {
-  for (const auto& command : line.commands()) {
+Json json_of_commands(const CommandLine& tool) {
+  Json list = Json::array();
+  for (const CommandLine* const command : tool.with_subcommands())
     if (command->commands().empty())
-      list.push_back({{"name", command->full_name().substr(line.root().name().size() + 1)},
+      list.push_back({{"name", command->path()},
                       {"text", command->what()},
                       {"common", command->takes_common_options()},
                       {"options", json_of_options(*command)},
                       {"report", json_of_keys(command->announced())}});
-    add_commands_of(*command, list);
-  }
-}
-
-Json list_of_words(std::string_view words) {
-  Json list = Json::array();
-  for (std::size_t at = 0; at < words.size();) {
-    const std::size_t end = std::min(words.find(' ', at), words.size());
-    list.push_back(std::string(words.substr(at, end - at)));
-    at = end + 1;
-  }
   return list;
 }
 
@@ -161,7 +151,7 @@ Json json_of_formats() {
     for (const WrittenAs& as : format->written)
       if (as.content != 0) written.push_back({{"ending", as.ending}, {"holds", words(as.content)}});
     Json one = {{"name", format->name},
-                {"endings", list_of_words(format->endings)},
+                {"endings", parts_between(format->endings, ' ')},
                 {"reads", words(format->reads)},
                 {"writes", written}};
     if (!format->module.empty()) one["module"] = format->module;
@@ -194,12 +184,10 @@ Command add_schema_command(CommandLine& app) {
       "Examples:\n"
       "  sansmesh schema > schema.json");
   return {&c, [&app](Console&) {
-            Json commands = Json::array();
-            add_commands_of(app, commands);
             const Json json = {{"schema", kSchemaVersion},
                                {"version", SANSMESH_VERSION},
                                {"common", json_of_options(app)},
-                               {"commands", commands},
+                               {"commands", json_of_commands(app)},
                                {"surfaces", json_of_surfaces()},
                                {"volume_methods", json_of_volume_methods()},
                                {"flow_integrators", json_of_flow_integrators()},
