@@ -241,8 +241,8 @@ std::string bash_completion(const CommandLine& root) {
     std::string action;
     if (!command->commands().empty()) {
       action = fmt::format("_sansmesh_words '{}'", fmt::join(command->command_names(), " "));
-    } else if (const auto places = positional_options(*command); !places.empty()) {
-      action = bash_action(*places.back());
+    } else if (const auto positional = positional_options(*command); !positional.empty()) {
+      action = bash_action(*positional.back());
     }
     if (!action.empty()) text += fmt::format("    '{}') {} ;;\n", command->path(), action);
   }

@@ -47,7 +47,7 @@ void run_diagnose(const DiagnoseArguments& a, Console& console) {
   Image picture;
   std::vector<Image> pictures;
   if (!a.preview.empty()) picture = render_mesh(made.diagnosis.mesh, look, progress);
-  if (!a.pictures.empty()) pictures = draw_places(made, look, !a.separate, progress);
+  if (!a.pictures.empty()) pictures = draw_regions(made, look, !a.separate, progress);
   progress.begin("write");
   if (!a.script.empty()) write_text(a.script, edit_script(made.edits));
   if (!a.preview.empty()) a.picture.write(a.preview, picture, look);

@@ -55,17 +55,17 @@ std::string option_words(const OptionEntry& o) {
 std::string usage_of(const CommandLine& command) {
   std::string text = command.full_name();
   if (!command.commands().empty()) return text + " COMMAND [OPTIONS] ...";
-  std::string places, needed;
+  std::string positional, needed;
   bool options = false;
   for (const auto& option : command.options()) {
     if (option->positional())
-      places += " " + positional_words(*option);
+      positional += " " + positional_words(*option);
     else if (option->required)
       needed += fmt::format(" {} {}", option->names[0], option->value_name);
     else
       options = true;
   }
-  return text + places + needed + (options ? " [OPTIONS]" : "");
+  return text + positional + needed + (options ? " [OPTIONS]" : "");
 }
 
 std::vector<std::string> examples_of(const CommandLine& command) {

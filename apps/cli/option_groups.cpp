@@ -15,13 +15,13 @@ void require(bool ok, const char* message) {
   if (!ok) throw ArgumentError(message);
 }
 
-std::vector<Vec3> places_at(const std::vector<double>& v) {
-  std::vector<Vec3> places;
+std::vector<Vec3> query_points(const std::vector<double>& v) {
+  std::vector<Vec3> points;
   for (std::size_t i = 0; i + 2 < v.size(); i += 3) {
-    places.push_back({v[i], v[i + 1], v[i + 2]});
-    if (!is_finite(places.back())) throw ArgumentError("--at must be three finite numbers");
+    points.push_back({v[i], v[i + 1], v[i + 2]});
+    if (!is_finite(points.back())) throw ArgumentError("--at must be three finite numbers");
   }
-  return places;
+  return points;
 }
 
 void add_function_input(CommandLine& c, std::string& file) {

@@ -22,7 +22,7 @@ inline constexpr const char* kReadable =
 void require(bool ok, const char* message);
 
 /// Points of --at, given as three numbers each. Throws ArgumentError unless all are finite.
-std::vector<Vec3> places_at(const std::vector<double>& numbers);
+std::vector<Vec3> query_points(const std::vector<double>& numbers);
 
 /// Adds the file of a function, as a positional argument.
 void add_function_input(CommandLine& command, std::string& file);

@@ -30,7 +30,7 @@ PointSet points_of(const ProbeArguments& a, Console& console) {
   }
   require(!a.points.classes, "--class and --without-class select among --points");
   points.origin = {a.at[0], a.at[1], a.at[2]};
-  for (const Vec3& place : places_at(a.at)) points.positions.push_back(Vec3f(place - points.origin));
+  for (const Vec3& x : query_points(a.at)) points.positions.push_back(Vec3f(x - points.origin));
   return points;
 }
 
@@ -41,8 +41,8 @@ void run_probe(const ProbeArguments& a, Console& console) {
   const SurfaceFunction function = read_function(a.input);
   PointSet points = points_of(a, console);
   // Values of --at are used in double precision.
-  const std::vector<Vec3> places = a.at.empty() ? places_of(points) : places_at(a.at);
-  const ProbeFunctionResult made = probe_function(function, places, progress);
+  const std::vector<Vec3> x = a.at.empty() ? positions_of(points) : query_points(a.at);
+  const ProbeFunctionResult made = probe_function(function, x, progress);
   if (!a.output.empty()) {
     progress.begin("write");
     made.add_to(points.attributes);
@@ -80,7 +80,7 @@ Command add_probe(CommandLine& app) {
       "  sansmesh probe scan.smf --at 0,0,0 --at 0,0,1 --json\n"
       "  sansmesh probe scan.smf --points probes.xyz -o values.csv");
   c.announce({report_of<FileReport>("input"), report_of<ProbeFunctionReport>(), report_of<FileReport>("output"),
-              reports_of<ProbedPlace>("values")});
+              reports_of<ProbedPoint>("values")});
   return {&c, [a](Console& console) { run_probe(*a, console); }};
 }
 

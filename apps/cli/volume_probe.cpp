@@ -28,7 +28,7 @@ void run_probe(const ProbeArguments& a, Console& console) {
     if (!a.output.ends_with(".csv")) throw FileError(a.output, "tables are written as .csv");
     check_writable(a.output, "text");
   }
-  const std::vector<Vec3> x = a.points.empty() ? places_at(a.at) : read_point_table(a.points);
+  const std::vector<Vec3> x = a.points.empty() ? query_points(a.at) : read_point_table(a.points);
   require(!a.output.empty() || x.size() <= kListedPoints || console.options().json,
           "this many points need an output table: -o FILE.csv");
   VolumeModel volume = a.input.open(console);

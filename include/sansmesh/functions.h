@@ -83,7 +83,7 @@ struct SANSMESH_API ProbeFunctionReport {
 };
 
 /// Values of a function at a query point.
-struct SANSMESH_API ProbedPlace : LevelSetPoint {
+struct SANSMESH_API ProbedPoint : LevelSetPoint {
   Vec3 at;  ///< query point in the coordinates of the input
 
   static const ReportSchema& schema();  ///< report rows
@@ -96,7 +96,7 @@ inline constexpr std::size_t kListedPoints = 20;
 struct SANSMESH_API ProbeFunctionResult {
   /// Per query point: approximate signed distance, negative inside, and the geometry of the level set through the
   /// point; in the unit of the input.
-  std::vector<ProbedPlace> values;
+  std::vector<ProbedPoint> values;
   ProbeFunctionReport report;  ///< statistics of all points
 
   /// Sets the attributes value, gradient_x, gradient_y, gradient_z, k1 and k2 (float, one row per point). Throws
@@ -105,14 +105,14 @@ struct SANSMESH_API ProbeFunctionResult {
 };
 
 /// Evaluates a function at points in the input's coordinates. Throws Cancelled.
-SANSMESH_API ProbeFunctionResult probe_function(const SurfaceFunction& function, std::span<const Vec3> places,
+SANSMESH_API ProbeFunctionResult probe_function(const SurfaceFunction& function, std::span<const Vec3> points,
                                                 Progress& progress);
 
 /// Points inside, and the values of up to twenty points, else statistics; as lines of text.
 SANSMESH_API std::vector<std::string> summary_of(const ProbeFunctionResult& probed);
 
 /// Positions of points in the coordinates of the input: origin + position.
-SANSMESH_API std::vector<Vec3> places_of(const PointSet& points);
+SANSMESH_API std::vector<Vec3> positions_of(const PointSet& points);
 
 /// A function to edit, and optionally its mesh.
 struct EditInput {
@@ -140,8 +140,8 @@ struct SANSMESH_API EditedFunction {
 SANSMESH_API EditedFunction edit(EditInput input, const std::vector<Edit>& edits, bool make_mesh, Progress& progress);
 
 /// Doubtful region of a function, numbered.
-struct SANSMESH_API ListedPlace {
-  SuspiciousPlace place;            ///< location and reason
+struct SANSMESH_API ListedRegion {
+  SuspiciousPlace region;           ///< location and reason
   std::size_t number = 0;           ///< number from 1, grouped by kind
   std::optional<std::size_t> step;  ///< number of the proposed edit, from 1
 
@@ -153,10 +153,10 @@ struct SANSMESH_API ListedPlace {
 
 /// Doubtful regions of a function, with proposed edits.
 struct SANSMESH_API DiagnoseResult {
-  std::size_t fits = 0;             ///< local approximations of the function
-  Diagnosis diagnosis;              ///< regions and the coloured mesh
-  std::vector<ListedPlace> places;  ///< the same regions, numbered
-  std::vector<Edit> edits;          ///< proposed edits, one for each region that has a step
+  std::size_t fits = 0;               ///< local approximations of the function
+  Diagnosis diagnosis;                ///< regions and the coloured mesh
+  std::vector<ListedRegion> regions;  ///< the same regions, numbered
+  std::vector<Edit> edits;            ///< proposed edits, one for each region that has a step
 
   static const ReportSchema& schema();  ///< report rows
 };

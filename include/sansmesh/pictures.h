@@ -176,7 +176,7 @@ SANSMESH_API MapPicture draw_map(const CompareResult& compared, const CompareOpt
 /// Pictures of the regions of a diagnosis, each from outside and ringed, with its number and its worst measure. They
 /// are in list order; with `sheet` small pictures are arranged on one sheet. No regions give no pictures. Throws
 /// ArgumentError for bad options, and for more regions than a sheet holds.
-SANSMESH_API std::vector<Image> draw_places(const DiagnoseResult& made, RenderOptions options, bool sheet,
-                                            Progress& progress);
+SANSMESH_API std::vector<Image> draw_regions(const DiagnoseResult& made, RenderOptions options, bool sheet,
+                                             Progress& progress);
 
 }  // namespace sansmesh::inline v1

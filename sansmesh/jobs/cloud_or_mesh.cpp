@@ -134,7 +134,7 @@ std::string crop_to_box(CloudOrMesh& data, const Box3& box, bool inside) {
   return left_of(before, data);
 }
 
-std::string weld_places(CloudOrMesh& data, double distance) {
+std::string weld_points(CloudOrMesh& data, double distance) {
   const std::size_t before = data.size();
   if (data.is_mesh) {
     const WeldReport report = weld_vertices(data.mesh, distance);

@@ -22,7 +22,7 @@ std::string move_all(CloudOrMesh& data, const AffineMap& map);
 std::string crop_to_box(CloudOrMesh& data, const Box3& box, bool inside);
 
 /// Merges vertices (or points) no farther apart than this.
-std::string weld_places(CloudOrMesh& data, double distance);
+std::string weld_points(CloudOrMesh& data, double distance);
 
 /// Thins a cloud so that no two points are closer than this.
 std::string keep_apart(CloudOrMesh& data, double distance);

@@ -19,8 +19,8 @@ struct DoStep {
   const std::string& unit;  ///< unit of the input
   AboutStep about_now = {};
 
-  std::string about(const AffineMap& map, const std::optional<Vec3>& place, bool center) const {
-    const AboutStep own{place, center}, &used = place || center ? own : about_now;
+  std::string about(const AffineMap& map, const std::optional<Vec3>& point, bool center) const {
+    const AboutStep own{point, center}, &used = point || center ? own : about_now;
     if (used.center) return move_all(data, map.about(data.bounds().center()));
     return move_all(data, used.place ? map.about(*used.place) : map);
   }
@@ -54,7 +54,7 @@ struct DoStep {
   std::string operator()(const CountStep& s) const { return keep_count(data, s.count); }
   std::string operator()(const EveryStep& s) const { return keep_every(data, s.every); }
   std::string operator()(const ChooseStep& s) const { return choose_attributes(data, s.names, s.keep); }
-  std::string operator()(const WeldStep& s) const { return weld_places(data, s.distance); }
+  std::string operator()(const WeldStep& s) const { return weld_points(data, s.distance); }
   std::string operator()(const FlipStep& s) const { return flip_sides(data, s.faces, s.normals); }
 };
 

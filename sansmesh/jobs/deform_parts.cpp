@@ -49,38 +49,38 @@ Box3 with_room(const Box3& box, double share) {
   return {box.lower - room, box.upper + room};
 }
 
-void add_corners(const Box3& box, std::vector<Vec3>& places) {
+void add_corners(const Box3& box, std::vector<Vec3>& points) {
   for (int c = 0; c < 8; ++c)
-    places.push_back(
+    points.push_back(
         {(c & 1 ? box.upper : box.lower).x, (c & 2 ? box.upper : box.lower).y, (c & 4 ? box.upper : box.lower).z});
 }
 
-std::vector<Vec3> places_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,
+std::vector<Vec3> points_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,
                                   bool unknown_as_before) {
-  std::vector<Vec3> places;
-  if (!options.frames) return places;
+  std::vector<Vec3> framed;
+  if (!options.frames) return framed;
   for (const double share : {0.0, 0.5, 1.0})
     if (const auto box = deformation.box_of(deformation.at(share), before))
-      add_corners(*box, places);
+      add_corners(*box, framed);
     else if (unknown_as_before)
-      add_corners(before, places);
-  return places;
+      add_corners(before, framed);
+  return framed;
 }
 
 Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions& options,
-                      const Deformation& deformation, double share, std::vector<Vec3> places, const TriangleMesh& folds,
+                      const Deformation& deformation, double share, std::vector<Vec3> framed, const TriangleMesh& folds,
                       Progress& progress) {
   RenderOptions picture = options.look.picture;
   picture.view.steady = options.frames.has_value();
   if (options.draw_handles && deformation.has_handles()) {
     Box3 box;
-    for (const Vec3& p : places) box.extend(p);
+    for (const Vec3& p : framed) box.extend(p);
     const TriangleMesh shapes = deformation.handle_shapes_at(share, box.diagonal());
-    add_corners(finite_bounds(shapes.origin, shapes.vertices), places);
+    add_corners(finite_bounds(shapes.origin, shapes.vertices), framed);
     surfaces.push_back(surface_in_picture(shapes, picture));
   }
   if (options.draw_folds && !folds.triangles.empty()) surfaces.push_back(surface_in_picture(folds, picture));
-  return render_surfaces(surfaces, places, false, picture, progress);
+  return render_surfaces(surfaces, framed, false, picture, progress);
 }
 
 }  // namespace sansmesh::inline v1

@@ -29,13 +29,13 @@ class FoldWatch {
 
 /// The box enlarged on all sides by a share of its diagonal.
 Box3 with_room(const Box3& box, double share);
-void add_corners(const Box3& box, std::vector<Vec3>& places);
+void add_corners(const Box3& box, std::vector<Vec3>& points);
 /// Points whose bounding box contains all poses: of the first, the middle and the last.
-std::vector<Vec3> places_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,
+std::vector<Vec3> points_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,
                                   bool unknown_as_before);
-/// Draws surfaces, with handles and folds if requested; `places` and the handles determine the frame.
+/// Draws surfaces, with handles and folds if requested; `framed` and the handles determine the frame.
 Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions& options,
-                      const Deformation& deformation, double share, std::vector<Vec3> places, const TriangleMesh& folds,
+                      const Deformation& deformation, double share, std::vector<Vec3> framed, const TriangleMesh& folds,
                       Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -64,7 +64,7 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
   MeshDeformOptions bent;
   bent.bend = options.refine;
   const Box3 before = bounds_of(points);
-  const std::vector<Vec3> framed = picture ? places_of_poses(deformation, before, options, true) : std::vector<Vec3>();
+  const std::vector<Vec3> framed = picture ? points_of_poses(deformation, before, options, true) : std::vector<Vec3>();
   DeformResult result;
   DeformReport& r = result.report;
   TriangleMesh opened;  // along cuts; clouds do not change
@@ -98,11 +98,12 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
       use(k, std::move(moved));
       continue;
     }
-    std::vector<Vec3> places = framed;
-    if (places.empty()) add_finite_points(moved.origin, moved.vertices, places);
+    std::vector<Vec3> points_in_view = framed;
+    if (points_in_view.empty()) add_finite_points(moved.origin, moved.vertices, points_in_view);
     use(k, with_name(name, [&] {
           return DeformedPicture{picture_of_pose({surface_in_picture(moved, options.look.picture)}, options,
-                                                 deformation, options.share(k), std::move(places), {}, progress)};
+                                                 deformation, options.share(k), std::move(points_in_view), {},
+                                                 progress)};
         }));
   }
   add_mesh_notes(r, mesh, name, result.notes);

@@ -90,7 +90,7 @@ class SolidPoses {
     // Sections use the function itself, which ends with its samples.
     if (function_ && aim == DeformAim::sections) field_ = function_->field();
     before_ = field_->bounds();
-    if (aim == DeformAim::picture) framed_ = places_of_poses(deformation, before_, options, false);
+    if (aim == DeformAim::picture) framed_ = points_of_poses(deformation, before_, options, false);
     open_ = function_ && is_open(*function_) && !options.box;
     if (!open_) result_.notes = solid.open_notes();
   }
@@ -151,10 +151,10 @@ class SolidPoses {
     DeformReport& r = result_.report;
     r.mesh_of_open = true, r.vertices = mesh.vertices.size(), r.triangles = mesh.triangles.size();
     if (aim_ != DeformAim::picture) return mesh;
-    std::vector<Vec3> places = framed_;
-    if (places.empty()) add_finite_points(mesh.origin, mesh.vertices, places);
+    std::vector<Vec3> framed = framed_;
+    if (framed.empty()) add_finite_points(mesh.origin, mesh.vertices, framed);
     return DeformedPicture{picture_of_pose({surface_in_picture(mesh, options_.look.picture)}, options_, deformation_,
-                                           share, std::move(places), {}, progress_)};
+                                           share, std::move(framed), {}, progress_)};
   }
 
   std::vector<Section> sections_of(const DeformedField& field) {
@@ -178,10 +178,10 @@ class SolidPoses {
       o.simplify = 0;
     }
     const TriangleMesh mesh = mesh_csg(field, o, progress_);
-    std::vector<Vec3> places = framed_;
-    if (places.empty()) add_finite_points(mesh.origin, mesh.vertices, places);
+    std::vector<Vec3> framed = framed_;
+    if (framed.empty()) add_finite_points(mesh.origin, mesh.vertices, framed);
     const auto with = [&](PictureSurface surface) {
-      return picture_of_pose({std::move(surface)}, options_, deformation_, share, std::move(places), folded, progress_);
+      return picture_of_pose({std::move(surface)}, options_, deformation_, share, std::move(framed), folded, progress_);
     };
     if (!exact) return with(surface_in_picture(mesh, options_.look.picture));
     const NearField near(field, mesh.origin);

@@ -81,7 +81,7 @@ class VolumePoses {
         look_.picture.view.direction = *view;
     look_.picture.view.steady = options_.frames.has_value();
     if (look_.color_bar) leave_room(look_.picture, ColorBar{*look_.transfer, look_.color_title, {}});
-    framed_ = places_of_poses(deformation_, before_, options_, true);
+    framed_ = points_of_poses(deformation_, before_, options_, true);
   }
 
   /// Resamples all arrays on one lattice.

@@ -72,7 +72,7 @@ class ObjectScene {
       : o_(options), objects_(objects), result_(result), progress_(progress) {}
 
   std::vector<PictureSurface> surfaces;
-  std::vector<Vec3> places;
+  std::vector<Vec3> framed;
   std::vector<LegendEntry> legend;
   std::vector<ObjectKind> kinds;
   std::unique_ptr<CurvatureField> curvature;  ///< curvature of a single object, if the picture needs it
@@ -118,7 +118,7 @@ class ObjectScene {
     const SurfaceRenderOptions look = look_of(k, color, model.colors() != nullptr);
     const auto& samples = model.points().positions;
     for (const Vec3f& p : samples.empty() ? model.balls().centers : samples)
-      places.push_back(model.place().to_input(Vec3(p)));
+      framed.push_back(model.place().to_input(Vec3(p)));
     return {ObjectKind::function, look,
             surface_in_picture(caster, model.place(), look.picture.look.use_colors ? model.colors() : nullptr, look),
             look.picture.look.surface_color};
@@ -142,7 +142,7 @@ class ObjectScene {
       cloud.positions = mesh.vertices;
       apart = 4 * look.picture.look.point_radius.value_or(estimate_spacing(cloud));  // discs of one sheet
     }
-    add_finite_points(mesh.origin, mesh.vertices, places);
+    add_finite_points(mesh.origin, mesh.vertices, framed);
     return {kind, look, surface_in_picture(mesh, look.picture),
             look.picture.look.use_colors ? mean_of(mesh.colors) : look.picture.look.surface_color, apart};
   }
@@ -176,7 +176,7 @@ void draw_objects(std::vector<PictureObject> objects, const PictureOptions& o, c
                     picture.view.width, beside));
   picture.view.width -= beside;
   draw_turntable(picture, o.frames, use, [&](const RenderOptions& one) {
-    Image image = render_surfaces(scene.surfaces, scene.places, o.translucent(), one, progress);
+    Image image = render_surfaces(scene.surfaces, scene.framed, o.translucent(), one, progress);
     const Image paper = paper_beside(one);
     return listed ? beside_legend(image, scene.legend, &paper) : image;
   });

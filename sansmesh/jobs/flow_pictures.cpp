@@ -42,9 +42,9 @@ std::optional<ArrayChoice> color_array(const FlowModel& flow, const std::string&
 /// Ends of the scale without rare values, which would compress all other colours.
 std::pair<double, double> scale_ends(std::vector<double> values) {
   const auto at = [&](double share) {
-    const auto place = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), place, values.end());
-    return *place;
+    const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), nth, values.end());
+    return *nth;
   };
   const double lower = at(kScaleEnd), upper = at(1 - kScaleEnd);
   return lower < upper ? std::pair(lower, upper) : std::pair(at(0), at(1));
@@ -130,7 +130,7 @@ class SurfacePictures {
     if (surface_.mesh.triangles.empty()) throw in_flow(flow, DataError("the surface is empty"));
     result_.surface = surface_.report;
     Box3 box;
-    for (const FlowPoint& p : surface_.points) places_.push_back(p.position), box.extend(p.position);
+    for (const FlowPoint& p : surface_.points) points_.push_back(p.position), box.extend(p.position);
     if (options.any_view)
       if (const auto view = view_of_layer(box, picture_.view.up)) picture_.view.direction = *view;
     color_surface(color);
@@ -157,7 +157,7 @@ class SurfacePictures {
     surfaces.push_back(sheet_->surface(of_surface));
     picture.view.steady = options_.turn != 0;
     Image image = around_ ? around_->render(picture, std::move(surfaces), progress_)
-                          : render_surfaces(surfaces, places_, options_.opacity < 1, picture, progress_);
+                          : render_surfaces(surfaces, points_, options_.opacity < 1, picture, progress_);
     if (!options_.title.empty()) draw_title(image, options_.title);
     return beside_bar(image, bar_, picture);
   }
@@ -173,7 +173,7 @@ class SurfacePictures {
     if (by == "none") return values;
     values.resize(surface_.points.size());
     if (array) {
-      flow_.volume()->field(*array, progress_, result_.notes)->query({.points = places_}, {.values = values});
+      flow_.volume()->field(*array, progress_, result_.notes)->query({.points = points_}, {.values = values});
       return values;
     }
     std::transform(surface_.points.begin(), surface_.points.end(), values.begin(), [&](const FlowPoint& p) {
@@ -223,7 +223,7 @@ class SurfacePictures {
   Progress& progress_;
   std::unique_ptr<VolumeAround> around_;
   FlowSurface surface_;
-  std::vector<Vec3> places_;
+  std::vector<Vec3> points_;
   FlowSubject subject_;
   std::optional<ColorBar> bar_;
   std::vector<PictureSurface> beside_;

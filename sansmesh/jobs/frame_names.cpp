@@ -42,17 +42,17 @@ std::string part_name(const std::string& file, std::size_t number, std::size_t p
 }
 
 void check_inputs_stay(const std::vector<std::string>& inputs, const std::vector<std::string>& results) {
-  const auto place = [](const std::string& file) {
+  const auto canonical = [](const std::string& file) {
     std::error_code ignored;
     return std::filesystem::weakly_canonical(file, ignored);
   };
   std::set<std::filesystem::path> known;
   for (const std::string& file : inputs)
-    if (!file.empty()) known.insert(place(file));
+    if (!file.empty()) known.insert(canonical(file));
   const auto is_known = [&](const std::string& file) {
     std::error_code ignored;
     // Also finds inputs with another name: links.
-    return known.contains(place(file)) || std::any_of(known.begin(), known.end(), [&](const auto& input) {
+    return known.contains(canonical(file)) || std::any_of(known.begin(), known.end(), [&](const auto& input) {
              return std::filesystem::equivalent(input, file, ignored);
            });
   };

@@ -33,17 +33,17 @@ void ProbeFunctionResult::add_to(AttributeTable& attributes) const {
   add("k2", [](const LevelSetPoint& p) { return p.k2; });
 }
 
-ProbeFunctionResult probe_function(const SurfaceFunction& probed, std::span<const Vec3> places, Progress& progress) {
+ProbeFunctionResult probe_function(const SurfaceFunction& probed, std::span<const Vec3> points, Progress& progress) {
   progress.begin("evaluate");
   const FittedFunction& function = probed.fitted();
-  const std::size_t n = places.size();
+  const std::size_t n = points.size();
   std::vector<Vec3> x(n);
-  for (std::size_t i = 0; i < n; ++i) x[i] = function.place.from_input(places[i]);
+  for (std::size_t i = 0; i < n; ++i) x[i] = function.place.from_input(points[i]);
   ProbeFunctionResult result;
   std::vector<LevelSetPoint> values(n);
   level_set_points(function.field, x, kLevelSetStep * function.field.report().spacing, values);
   result.values.reserve(n);
-  for (std::size_t i = 0; i < n; ++i) result.values.push_back({values[i], places[i]});
+  for (std::size_t i = 0; i < n; ++i) result.values.push_back({values[i], points[i]});
   const double unit = function.place.unit;
   ProbeFunctionReport& r = result.report;
   r.points = n;
@@ -62,7 +62,7 @@ ProbeFunctionResult probe_function(const SurfaceFunction& probed, std::span<cons
   return result;
 }
 
-std::vector<Vec3> places_of(const PointSet& points) { return world_points(points.origin, points.positions); }
+std::vector<Vec3> positions_of(const PointSet& points) { return world_points(points.origin, points.positions); }
 
 std::vector<std::string> summary_of(const ProbeFunctionResult& probed) {
   const ProbeFunctionReport& r = probed.report;
@@ -72,7 +72,7 @@ std::vector<std::string> summary_of(const ProbeFunctionResult& probed) {
                                 length_words(r.mean), length_words(r.median), length_words(r.largest),
                                 r.largest_gradient));
   else
-    for (const ProbedPlace& v : probed.values)
+    for (const ProbedPoint& v : probed.values)
       lines.push_back(fmt::format("({:.8g}, {:.8g}, {:.8g})  value {:.6g}  gradient {}  curvatures {:.4g}, {:.4g}",
                                   v.at.x, v.at.y, v.at.z, v.value, place_words(v.gradient), v.k1, v.k2));
   return lines;
@@ -92,15 +92,15 @@ const ReportSchema& ProbeFunctionReport::schema() {
   return report_schema<rows>();
 }
 
-const ReportSchema& ProbedPlace::schema() {
+const ReportSchema& ProbedPoint::schema() {
   static constexpr ReportRow rows[] = {
-      reported<&ProbedPlace::at>({.text = "Query point", .unit = "length"}),
-      reported<[](const ProbedPlace& r) { return r.value; }>(
+      reported<&ProbedPoint::at>({.text = "Query point", .unit = "length"}),
+      reported<[](const ProbedPoint& r) { return r.value; }>(
           {.name = "value", .text = "Value, approximately the distance from the surface", .unit = "length"}),
-      reported<[](const ProbedPlace& r) { return r.gradient; }>({.name = "gradient", .text = "Gradient"}),
-      reported<[](const ProbedPlace& r) { return r.k1; }>(
+      reported<[](const ProbedPoint& r) { return r.gradient; }>({.name = "gradient", .text = "Gradient"}),
+      reported<[](const ProbedPoint& r) { return r.k1; }>(
           {.name = "k1", .text = "Larger principal curvature of the level set", .unit = "1/length"}),
-      reported<[](const ProbedPlace& r) { return r.k2; }>(
+      reported<[](const ProbedPoint& r) { return r.k2; }>(
           {.name = "k2", .text = "Smaller principal curvature of the level set", .unit = "1/length"})};
   return report_schema<rows>();
 }

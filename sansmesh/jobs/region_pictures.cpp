@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/place_pictures.h"
+#include "sansmesh/jobs/region_pictures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -83,26 +83,26 @@ void draw_text(Image& image, const std::string& text) {
 
 }  // namespace
 
-PlacePictures::PlacePictures(const Diagnosis& diagnosis)
+RegionPictures::RegionPictures(const Diagnosis& diagnosis)
     : diagnosis_(diagnosis),
       bounds_(bounds(diagnosis.mesh)),
       rays_(RayScene::triangles(diagnosis.mesh.vertices, diagnosis.mesh.triangles)) {}
 
-PlacePictures::View PlacePictures::best_view(const SuspiciousPlace& place, double reach) const {
+RegionPictures::View RegionPictures::best_view(const SuspiciousPlace& region, double reach) const {
   const TriangleMesh& mesh = diagnosis_.mesh;
   const Vec3 middle = mesh.origin + Vec3(bounds_.center());
-  Vec3 normal = place.normal;
-  if (!(norm(normal) > 0)) normal = place.position - middle;
+  Vec3 normal = region.normal;
+  if (!(norm(normal) > 0)) normal = region.position - middle;
   if (!(norm(normal) > 0)) normal = {0, 0, 1};
   normal = normalized(normal);
   // The doubtful vertices, or all vertices of the region if there are none.
-  const Vec3f at(place.position - mesh.origin);
-  const auto radius = static_cast<float>(place.radius);
+  const Vec3f at(region.position - mesh.origin);
+  const auto radius = static_cast<float>(region.radius);
   std::vector<Vec3f> here, marked;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (!(squared_norm(mesh.vertices[v] - at) <= radius * radius)) continue;
     here.push_back(mesh.vertices[v]);
-    if (mesh.colors[v] == suspicion_color(place.kind)) marked.push_back(mesh.vertices[v]);
+    if (mesh.colors[v] == suspicion_color(region.kind)) marked.push_back(mesh.vertices[v]);
   }
   if (!marked.empty()) here = std::move(marked);
   if (here.empty()) here.push_back(at);  // the surface of a fit may be elsewhere
@@ -121,17 +121,17 @@ PlacePictures::View PlacePictures::best_view(const SuspiciousPlace& place, doubl
   return best;
 }
 
-Image PlacePictures::of(const SuspiciousPlace& place, const std::string& text, RenderOptions options,
-                        Progress& progress) const {
+Image RegionPictures::of(const SuspiciousPlace& region, const std::string& text, RenderOptions options,
+                         Progress& progress) const {
   const TriangleMesh& mesh = diagnosis_.mesh;
   const double seen =
-      std::min(kSeen * place.radius, std::max(place.radius, kMostSeen * static_cast<double>(bounds_.diagonal())));
-  const Vec3f at(place.position - mesh.origin);
+      std::min(kSeen * region.radius, std::max(region.radius, kMostSeen * static_cast<double>(bounds_.diagonal())));
+  const Vec3f at(region.position - mesh.origin);
   const Box3f drawn = widened(Box3f{at, at}, static_cast<float>(kDrawn * seen));
-  const View view = best_view(place, seen);
+  const View view = best_view(region, seen);
   const bool cut = view.seen < kHidden;
   const Vec3f toward(view.direction);
-  const auto front = static_cast<float>(kInFront * place.radius);
+  const auto front = static_cast<float>(kInFront * region.radius);
   std::vector<std::uint8_t> keep(mesh.triangles.size());
   for (std::size_t i = 0; i < keep.size(); ++i) {
     Box3f box;
@@ -147,12 +147,12 @@ Image PlacePictures::of(const SuspiciousPlace& place, const std::string& text, R
   options.look.ground = false;
   options.view.direction = view_from(view.direction, options.view.up);
   options.view.orthographic = true;
-  options.view.look_at = place.position;
+  options.view.look_at = region.position;
   options.view.look_radius = seen;
   options.view.zoom = 1;
   options.view.clip_box.reset();
   Image image = render_mesh(part, options, progress);
-  draw_ring(image, 0.5 * (1 - kPictureMargin) * std::min(image.width, image.height) * place.radius / seen);
+  draw_ring(image, 0.5 * (1 - kPictureMargin) * std::min(image.width, image.height) * region.radius / seen);
   draw_text(image, cut ? text + " (hidden: cut open)" : text);
   return image;
 }
