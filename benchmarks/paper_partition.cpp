@@ -18,10 +18,10 @@
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/io.h"
-#include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/progress.h"
 
@@ -114,7 +114,7 @@ void measure(const std::string& name, const PointSet& cloud, int depth, const Ar
     mesh = mesh_function(function, plain, progress);
     const double mesh_seconds = meshing_time.seconds();
     TriangleMesh own = mesh;
-    move_from_input(own, function.place);
+    move_from_input(own, function.frame);
     const FarPlaces invented = find_invented(own, samples, r.spacing, 200000);
     const FarPlaces lost = find_lost(own, samples, r.spacing, r.noise);
     TriangleMesh reference;

@@ -60,7 +60,7 @@ struct Recommendation {
   Aim aim = Aim::mesh;           ///< what this is a recommendation for
   std::string surface;           ///< the method, by name (SurfaceOptions::method)
   bool sharp = false;            ///< SurfaceOptions::sharp
-  bool remove_outliers = false;  ///< CloudUse::remove_outliers
+  bool remove_outliers = false;  ///< CloudPreparation::remove_outliers
   std::string why;               ///< one sentence, which names options as errors do (sansmesh/error.h)
 };
 

@@ -28,8 +28,8 @@ namespace sansmesh::inline v1 {
 
 /// Options of preparation and fit.
 struct FitFunctionOptions {
-  CloudUse cloud = {};  ///< preparation of the samples
-  FitOptions fit = {};  ///< fit of the function
+  CloudPreparation cloud = {};  ///< preparation of the samples
+  FitOptions fit = {};          ///< fit of the function
 
   /// Option rows of its parts.
   static const OptionSchema& schema();
@@ -41,7 +41,7 @@ struct FitFunctionOptions {
 struct SANSMESH_API FitFunctionReport {
   bool estimated_normals = false;       ///< the input had no normals, or they were not used
   std::optional<OrientBy> oriented_by;  ///< origin of the signs of normals; empty: the input
-  std::string alignment;                ///< registration of scans as text; empty if not requested (CloudUse::align)
+  std::string alignment;  ///< registration of scans as text; empty if not requested (CloudPreparation::align)
 
   static const ReportSchema& schema();  ///< report rows
 };

@@ -54,7 +54,7 @@ struct SANSMESH_API PictureOptions {
   SurfaceRenderOptions look = {};
   /// For one cloud: casts rays at this surface of the samples.
   std::optional<SurfaceOptions> surface = {};
-  CloudUse cloud = {};  ///< preparation of the samples of that surface
+  CloudPreparation cloud = {};  ///< preparation of the samples of that surface
   /// An attribute (the length if it is a vector), "confidence", or for a surface without a mesh "mean", "gaussian",
   /// "k1" or "k2" curvature. For a single object only. Default: the object's own colours.
   std::string color_by = {};

@@ -159,7 +159,7 @@ struct SANSMESH_API ProjectOptions {
   ProjectToSurface steps = {};  ///< projection steps
   LopOptions lop = {};          ///< `points` follows from `point_count`
   SurfaceOptions surface = {};  ///< `method` follows from `method` above
-  CloudUse cloud = {};          ///< preparation of the samples
+  CloudPreparation cloud = {};  ///< preparation of the samples
 
   /// Option rows without those of `surface` and `cloud`.
   static const OptionSchema& schema();  ///< option rows, one per field

@@ -21,9 +21,9 @@ namespace sansmesh::inline v1 {
 
 /// Options of preparation, fit and meshing.
 struct SANSMESH_API ReconstructOptions {
-  CloudUse cloud = {};    ///< preparation of the samples
-  FitOptions fit = {};    ///< fit of the adaptive partition of unity
-  MeshOptions mesh = {};  ///< meshing of the surface
+  CloudPreparation cloud = {};  ///< preparation of the samples
+  FitOptions fit = {};          ///< fit of the adaptive partition of unity
+  MeshOptions mesh = {};        ///< meshing of the surface
   /// Surfaces other than the adaptive partition of unity use only `error` and `depth` of `fit`. They end where they
   /// leave their domain of definition, so they are open where the samples have borders.
   SurfaceOptions surface = {.method = std::string(kPartitionSurface)};
@@ -42,11 +42,11 @@ struct SANSMESH_API ReconstructReport : MeshReport {
   double noise = 0;                     ///< estimated standard deviation of the samples from the surface (length)
   bool estimated_normals = false;       ///< the input had no normals, or they were not used
   std::optional<OrientBy> oriented_by;  ///< origin of the signs of normals; empty: the input
-  std::string alignment;                ///< registration of scans as text; empty if not requested (CloudUse::align)
-  std::size_t fits = 0;                 ///< local approximations of the function; 0 for other surfaces
-  int fit_depth = 0;                    ///< deepest level of their tree; 0 for other surfaces
-  FitsOfDegree fits_of_degree{};        ///< how many of them have degree 0, 1, …, kMaxDegree
-  std::optional<PaperReport> paper;     ///< FitMethod::paper: construction of its blocks
+  std::string alignment;          ///< registration of scans as text; empty if not requested (CloudPreparation::align)
+  std::size_t fits = 0;           ///< local approximations of the function; 0 for other surfaces
+  int fit_depth = 0;              ///< deepest level of their tree; 0 for other surfaces
+  FitsOfDegree fits_of_degree{};  ///< how many of them have degree 0, 1, …, kMaxDegree
+  std::optional<PaperReport> paper;  ///< FitMethod::paper: construction of its blocks
   double open_share = 0;  ///< share (0..1) of the function's surface that bounds no solid; 0 for other surfaces
   /// Mean winding number just behind the samples, which determines `open_share`: 1 for a closed surface, ½ for a plane.
   /// 1 for other surfaces.

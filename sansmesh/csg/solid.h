@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "sansmesh/field/piecewise_field.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 
 namespace sansmesh::inline v1 {
 
@@ -132,7 +132,7 @@ Solid scale(const Solid& a, double factor, const Vec3& center = {});
 /// Mirrored at the plane ⟨x, normal/‖normal‖⟩ = offset.
 Solid mirror(const Solid& a, const Vec3& normal, double offset = 0);
 /// A solid in coordinates of its own placed in the world.
-Solid place(const Solid& a, const Placement& placement);
+Solid place(const Solid& a, const LocalFrame& placement);
 
 }  // namespace csg
 }  // namespace sansmesh::inline v1

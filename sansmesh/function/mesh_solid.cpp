@@ -16,7 +16,7 @@
 #include "sansmesh/function/mesh_patches.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/self_intersections.h"
+#include "sansmesh/mesh/repair/self_intersections.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/partition/global_sign.h"
 

@@ -4,7 +4,7 @@
 
 #include "sansmesh/data/world_points.h"
 #include "sansmesh/inspect.h"
-#include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/render/surface/picture_surfaces.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sansmesh/field/curvature_field.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/model/surface_model.h"
-#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
@@ -33,16 +33,17 @@ std::unique_ptr<CurvatureField> curvature_at_samples(const SurfaceModel& model, 
 /// A mesh in a local frame, with curvatures at its vertices.
 struct CurvedVertices {
   PointSet points;
-  Placement place;
+  LocalFrame frame;
   std::vector<PrincipalCurvatures> curvatures;
 };
 
 /// For a mesh whose faces `use` samples: the samples are on flat triangles, so curvatures are estimated at the
 /// vertices. Empty for other input. Throws DataError if the vertices form no surface.
-std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudUse& use, Progress& progress);
+std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudPreparation& use, Progress& progress);
 
 /// Curvature of a mesh or cloud in the coordinates of the input, estimated at its vertices. Null if they form no
 /// surface.
-std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudUse& use, Progress& progress);
+std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudPreparation& use,
+                                                     Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sansmesh/field/curvature_field.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
@@ -21,13 +21,13 @@ class SampleCurvature final : public CurvatureField {
  public:
   /// Estimates the curvatures of all samples (estimate_curvatures), which lie at `place` in the coordinates of what is
   /// asked. Copies what it needs. Throws ArgumentError for bad options, DataError for a cloud without normals.
-  SampleCurvature(const PointSet& points, const Placement& place, const CurvatureOptions& options, Progress& progress);
+  SampleCurvature(const PointSet& points, const LocalFrame& frame, const CurvatureOptions& options, Progress& progress);
   /// With the curvatures at hand, as many as points: those of a mesh's vertices.
-  SampleCurvature(const PointSet& points, std::span<const PrincipalCurvatures> curvatures, const Placement& place);
+  SampleCurvature(const PointSet& points, std::span<const PrincipalCurvatures> curvatures, const LocalFrame& frame);
   void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals, std::span<SurfaceBend> bends) const override;
 
  private:
-  Placement place_;
+  LocalFrame frame_;
   KdTree tree_;
   std::vector<Vec3f> normals_;  ///< zero where no curvature is known
   std::vector<std::array<float, 6>> tensors_;
