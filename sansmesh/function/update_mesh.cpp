@@ -304,7 +304,7 @@ constexpr ReportRow kMeshUpdateRows[] = {
     reported<&MeshUpdate::removed>({.text = "Triangles that were removed"}),
     reported<&MeshUpdate::added>({.text = "Triangles that were added"}),
     reported<&MeshUpdate::regions>({.text = "Separate regions that were made anew"}),
-    reported<[](const MeshUpdate& r) { return told_if(!r.why.empty(), r.why); }>(
+    reported<[](const MeshUpdate& r) { return value_if(!r.why.empty(), r.why); }>(
         {.name = "why", .text = "Reason for which all was made anew"})};
 
 }  // namespace

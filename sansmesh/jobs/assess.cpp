@@ -77,12 +77,12 @@ AssessResult assess(const TriangleMesh& mesh, PointSet points, const AssessOptio
 
 const ReportSchema& AssessReport::schema() {
   static constexpr ReportRow rows[] = {
-      reported<[](const AssessReport& r) { return told_if(!r.topology, r.vertices); }>(
+      reported<[](const AssessReport& r) { return value_if(!r.topology, r.vertices); }>(
           {.name = "surface.points", .text = "Points, if there are no triangles"}),
       reported<&AssessReport::topology>({.text = "Connectivity of the triangles"}),
       reported<&AssessReport::quality>({.text = "Shape quality of the triangles"}),
       reported<[](const AssessReport& r) {
-        return told_if(r.topology && r.topology->encloses(), r.quality ? r.quality->volume : 0);
+        return value_if(r.topology && r.topology->encloses(), r.quality ? r.quality->volume : 0);
       }>({.name = "quality.volume", .text = "Volume, if the mesh is closed", .unit = "length³"}),
       reported<[](const AssessReport& r) {
         return r.distance ? std::optional(r.distance->to_reference) : std::nullopt;

@@ -118,7 +118,7 @@ const ReportSchema& CompareReport::schema() {
       reported<&CompareReport::diagonal>(
           {.name = "reference.diagonal", .text = "Diagonal of the reference's box", .unit = "length"}),
       reported<&CompareReport::alignment>({.text = "Alignment of the part"}),
-      reported<[](const CompareReport& r) { return told_if(r.alignment.has_value(), r.motion.rows()); }>(
+      reported<[](const CompareReport& r) { return value_if(r.alignment.has_value(), r.motion.rows()); }>(
           {.name = "matrix", .text = "Motion as 4 rows of 4 numbers"})};
   return report_schema<rows>();
 }

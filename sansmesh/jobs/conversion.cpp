@@ -181,23 +181,23 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
 const ReportSchema& ConvertedBy::schema() {
   static constexpr ReportRow rows[] = {
       reported<[](const ConvertedBy& r) { return std::string(r.step); }>({.name = "step", .text = "Step"}),
-      reported<[](const ConvertedBy& r) { return told_if(!r.triangles, r.size); }>(
+      reported<[](const ConvertedBy& r) { return value_if(!r.triangles, r.size); }>(
           {.name = "points", .text = "Points after it"}),
-      reported<[](const ConvertedBy& r) { return told_if(r.triangles.has_value(), r.size); }>(
+      reported<[](const ConvertedBy& r) { return value_if(r.triangles.has_value(), r.size); }>(
           {.name = "vertices", .text = "Vertices after it"}),
       reported<&ConvertedBy::triangles>({.text = "Triangles after it"}),
-      reported<[](const ConvertedBy& r) { return told_if(!r.remark.empty(), r.remark); }>(
+      reported<[](const ConvertedBy& r) { return value_if(!r.remark.empty(), r.remark); }>(
           {.name = "remark", .text = "Effect on the data, as text"})};
   return report_schema<rows>();
 }
 
 const ReportSchema& ConvertReport::schema() {
   static constexpr ReportRow rows[] = {
-      reported<[](const ConvertReport& r) { return told_if(r.triangles == 0, r.size); }>(
+      reported<[](const ConvertReport& r) { return value_if(r.triangles == 0, r.size); }>(
           {.name = "input.points", .text = "Points of the input"}),
-      reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.size); }>(
+      reported<[](const ConvertReport& r) { return value_if(r.triangles > 0, r.size); }>(
           {.name = "input.vertices", .text = "Vertices of the input"}),
-      reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.triangles); }>(
+      reported<[](const ConvertReport& r) { return value_if(r.triangles > 0, r.triangles); }>(
           {.name = "input.triangles", .text = "Triangles of the input"}),
       reported<&ConvertReport::steps>({.text = "Steps in order"})};
   return report_schema<rows>();

@@ -102,22 +102,23 @@ std::string Deformation::words() const {
 
 const ReportSchema& Deformation::schema() {
   static constexpr ReportRow rows[] = {
-      reported<[](const Deformation& r) { return told_if(!r.has_handles(), r.name()); }>(
+      reported<[](const Deformation& r) { return value_if(!r.has_handles(), r.name()); }>(
           {.name = "map", .text = "File of the displacement map"}),
-      reported<[](const Deformation& r) { return told_if(r.has_handles(), r.handles_at(0).size()); }>(
+      reported<[](const Deformation& r) { return value_if(r.has_handles(), r.handles_at(0).size()); }>(
           {.name = "handles", .text = "Handles"}),
-      reported<[](const Deformation& r) { return told_if(r.has_handles(), r.name()); }>(
+      reported<[](const Deformation& r) { return value_if(r.has_handles(), r.name()); }>(
           {.name = "file", .text = "File of the handles"}),
-      reported<[](const Deformation& r) { return told_if(r.has_handles(), std::string(kind_word(r.options().kind))); }>(
-          {.name = "kind", .text = "Kind of the deformation"}),
       reported<[](const Deformation& r) {
-        return told_if(r.has_handles() && r.options().kind == DeformationKind::nonlinear, r.options().degree);
+        return value_if(r.has_handles(), std::string(kind_word(r.options().kind)));
+      }>({.name = "kind", .text = "Kind of the deformation"}),
+      reported<[](const Deformation& r) {
+        return value_if(r.has_handles() && r.options().kind == DeformationKind::nonlinear, r.options().degree);
       }>({.name = "degree", .text = "Degree of its polynomials"}),
-      reported<[](const Deformation& r) { return told_if(r.has_handles(), r.options().alpha); }>(
+      reported<[](const Deformation& r) { return value_if(r.has_handles(), r.options().alpha); }>(
           {.name = "alpha", .text = "Exponent of the weights"}),
-      reported<[](const Deformation& r) { return told_if(!r.cuts().empty(), r.cuts().size()); }>(
+      reported<[](const Deformation& r) { return value_if(!r.cuts().empty(), r.cuts().size()); }>(
           {.name = "cuts", .text = "Cuts"}),
-      reported<[](const Deformation& r) { return told_if(!r.cuts().empty(), r.options().damping); }>(
+      reported<[](const Deformation& r) { return value_if(!r.cuts().empty(), r.options().damping); }>(
           {.name = "damping", .text = "Damping across cuts"})};
   return report_schema<rows>();
 }

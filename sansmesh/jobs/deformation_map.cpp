@@ -113,15 +113,15 @@ const ReportSchema& DeformableVolume::schema() {
 const ReportSchema& DeformReport::schema() {
   static constexpr ReportRow rows[] = {
       reported_beside<&DeformReport::folds>(),
-      reported<[](const DeformReport& r) { return told_if(r.vertices > 0, r.vertices); }>(
+      reported<[](const DeformReport& r) { return value_if(r.vertices > 0, r.vertices); }>(
           {.name = "vertices", .text = "Vertices or points"}),
-      reported<[](const DeformReport& r) { return told_if(r.vertices > 0, r.triangles); }>(
+      reported<[](const DeformReport& r) { return value_if(r.vertices > 0, r.triangles); }>(
           {.name = "triangles", .text = "Triangles"}),
-      reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.added); }>(
+      reported<[](const DeformReport& r) { return value_if(!r.solid && r.vertices > 0, r.added); }>(
           {.name = "added", .text = "Triangles added at edges that bend"}),
-      reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.turned); }>(
+      reported<[](const DeformReport& r) { return value_if(!r.solid && r.vertices > 0, r.turned); }>(
           {.name = "turned", .text = "Vertices where the map reverses orientation"}),
-      reported<[](const DeformReport& r) { return told_if(!r.solid && r.vertices > 0, r.undefined); }>(
+      reported<[](const DeformReport& r) { return value_if(!r.solid && r.vertices > 0, r.undefined); }>(
           {.name = "undefined", .text = "Vertices that do not move, since the map is not defined there"}),
       reported<&DeformReport::cut>({.text = "Opening of a mesh along cuts"}),
       reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->components) : std::nullopt; }>(
@@ -135,12 +135,12 @@ const ReportSchema& DeformReport::schema() {
       reported<[](const DeformReport& r) { return r.solid ? std::optional(r.solid->volume) : std::nullopt; }>(
           {.name = "volume", .text = "Volume of a solid", .unit = "length³"}),
       reported<&DeformReport::sections>({.text = "Sections"}),
-      reported<[](const DeformReport& r) { return told_if(r.size[0] > 0, r.size); }>(
+      reported<[](const DeformReport& r) { return value_if(r.size[0] > 0, r.size); }>(
           {.name = "size", .text = "Lattice points of a volume along the axes"}),
       reported<&DeformReport::inside>({.text = "Share of these inside the volume", .unit = "share"}),
-      reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.rays); }>(
+      reported<[](const DeformReport& r) { return value_if(r.rays > 0, r.rays); }>(
           {.name = "rays", .text = "Rays of pictures of volumes"}),
-      reported<[](const DeformReport& r) { return told_if(r.rays > 0, r.evaluations); }>(
+      reported<[](const DeformReport& r) { return value_if(r.rays > 0, r.evaluations); }>(
           {.name = "evaluations", .text = "Evaluations along these rays"})};
   return report_schema<rows>();
 }

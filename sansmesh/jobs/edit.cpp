@@ -62,7 +62,7 @@ const ReportSchema& EditedFunction::schema() {
       reported<&EditedFunction::steps>({.text = "Edits in order"}),
       reported<[](const EditedFunction& r) { return r.function.fitted().field.report().functions; }>(
           {.name = "fits", .text = "Local fits of the function"}),
-      reported<[](const EditedFunction& r) { return told_if(!r.mesh.triangles.empty(), r.update); }>(
+      reported<[](const EditedFunction& r) { return value_if(!r.mesh.triangles.empty(), r.update); }>(
           {.name = "update", .text = "Update of the mesh, if requested"})};
   return report_schema<rows>();
 }

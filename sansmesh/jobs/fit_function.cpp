@@ -33,7 +33,7 @@ const ReportSchema& FitFunctionReport::schema() {
       reported<&FitFunctionReport::oriented_by>({.name = "normals.oriented_by",
                                                  .text = "Source of the signs of normals; null: the input",
                                                  .choices = kOrientByWords}),
-      reported<[](const FitFunctionReport& r) { return told_if(!r.alignment.empty(), r.alignment); }>(
+      reported<[](const FitFunctionReport& r) { return value_if(!r.alignment.empty(), r.alignment); }>(
           {.name = "alignment", .text = "Registration of scans, as text"})};
   return report_schema<rows>();
 }

@@ -93,8 +93,8 @@ CloudInfo info(const PointSet& points, Progress& progress) {
   return info;
 }
 
-FunctionInfo info(const SurfaceFunction& told) {
-  const FittedFunction& function = told.fitted();
+FunctionInfo info(const SurfaceFunction& described) {
+  const FittedFunction& function = described.fitted();
   const PartitionReport& r = function.field.report();
   const LocalFrame& frame = function.frame;
   FunctionInfo info;

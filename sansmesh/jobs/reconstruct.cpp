@@ -176,7 +176,7 @@ const ReportSchema& ReconstructReport::schema() {
       reported<&ReconstructReport::oriented_by>({.name = "normals.oriented_by",
                                                  .text = "Source of the signs of normals; null: the input",
                                                  .choices = kOrientByWords}),
-      reported<[](const ReconstructReport& r) { return told_if(!r.alignment.empty(), r.alignment); }>(
+      reported<[](const ReconstructReport& r) { return value_if(!r.alignment.empty(), r.alignment); }>(
           {.name = "alignment", .text = "Registration of scans, as text"}),
       reported<&ReconstructReport::fits>({.text = "Local fits"}),
       reported<&ReconstructReport::fit_depth>({.text = "Deepest level of their tree"}),

@@ -142,7 +142,7 @@ std::vector<std::string> summary_of(const SurfaceInVolume& s, const VolumeModel&
 
 const ReportSchema& SurfaceInVolume::schema() {
   static constexpr ReportRow rows[] = {
-      reported<[](const SurfaceInVolume& r) { return told_if(!is_steep(r), r.value); }>(
+      reported<[](const SurfaceInVolume& r) { return value_if(!is_steep(r), r.value); }>(
           {.name = "value", .text = "Isovalue", .unit = "unit of the array"}),
       reported<&SurfaceInVolume::report>({.name = "surface", .text = "Surface and its samples"}),
       reported<[](const SurfaceInVolume& r) { return is_steep(r) ? "high-gradient" : "isovalue"; }>(

@@ -107,25 +107,25 @@ std::vector<std::string> summary_of(const VolumeAdvice& advice) {
 
 const ReportSchema& VolumeAdvice::schema() {
   static constexpr ReportRow rows[] = {
-      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.array); }>(
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.array); }>(
           {.name = "array", .text = "Selected array"}),
-      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.samples); }>(
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.samples); }>(
           {.name = "samples", .text = "Samples of the array"}),
-      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.left_out); }>(
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.left_out); }>(
           {.name = "left_out",
            .text = "Median error of predicting a sample by its neighbours, for degrees 0 to 3",
            .unit = "share of the range"}),
-      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.left_out_rms); }>(
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.left_out_rms); }>(
           {.name = "left_out_rms", .text = "Root mean square of these errors", .unit = "share of the range"}),
-      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.noise); }>(
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.noise); }>(
           {.name = "noise", .text = "Upper bound of the noise", .unit = "share of the range"}),
-      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.steps); }>(
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.steps); }>(
           {.name = "steps", .text = "Share of the samples next to steps", .unit = "share"}),
-      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.traits.resolved()); }>(
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.traits.resolved()); }>(
           {.name = "resolved", .text = "Whether the samples resolve the quantity"}),
-      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, std::string(r.offer.suited.method)); }>(
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, std::string(r.offer.suited.method)); }>(
           {.name = "method", .text = "Recommended method"}),
-      reported<[](const VolumeAdvice& r) { return told_if(r.offer.values, r.offer.suited.why); }>(
+      reported<[](const VolumeAdvice& r) { return value_if(r.offer.values, r.offer.suited.why); }>(
           {.name = "why", .text = "Reason for the method"})};
   return report_schema<rows>();
 }

@@ -14,7 +14,7 @@ namespace {
 AttributeInfo array_info(const DatasetArray& array) {
   AttributeInfo info{array.name, array.of == Association::points ? "point" : "cell", array.type, {}, array.not_finite};
   for (std::size_t c = 0; c < array.components; ++c)
-    info.ranges.push_back(told_if(!std::isnan(array.least[c]), std::pair(array.least[c], array.most[c])));
+    info.ranges.push_back(value_if(!std::isnan(array.least[c]), std::pair(array.least[c], array.most[c])));
   return info;
 }
 

@@ -266,9 +266,9 @@ const ReportSchema& VolumeUse::schema() {
   static constexpr ReportRow rows[] = {
       reported<&VolumeUse::format>({.text = "Format of the file"}),
       reported<&VolumeUse::array>({.text = "Array"}),
-      reported<[](const VolumeUse& r) { return told_if(!r.method.empty(), r.method); }>(
+      reported<[](const VolumeUse& r) { return value_if(!r.method.empty(), r.method); }>(
           {.name = "method", .text = "Method of reconstruction"}),
-      reported<[](const VolumeUse& r) { return told_if(!r.why.empty(), r.why); }>(
+      reported<[](const VolumeUse& r) { return value_if(!r.why.empty(), r.why); }>(
           {.name = "why", .text = "Reason for the method, if it was chosen automatically"}),
       reported<&VolumeUse::samples>({.text = "Samples"}),
       reported<&VolumeUse::grid>({.text = "Description of the grid"}),

@@ -1,4 +1,5 @@
-// Whether a message can be shown in one line of a terminal. Told independently of the library, which makes it so.
+// Whether a message can be shown in one line of a terminal. OptionalValue independently of the library, which makes it
+// so.
 #pragma once
 
 #include <cstddef>

@@ -43,9 +43,9 @@ struct ConvertedFile {
 
 constexpr ReportRow kConvertedFile[] = {
     reported<&ConvertedFile::file>({.text = "File"}),
-    reported<[](const ConvertedFile& r) { return told_if(!r.triangles, r.size); }>(
+    reported<[](const ConvertedFile& r) { return value_if(!r.triangles, r.size); }>(
         {.name = "points", .text = "Points in the file"}),
-    reported<[](const ConvertedFile& r) { return told_if(r.triangles.has_value(), r.size); }>(
+    reported<[](const ConvertedFile& r) { return value_if(r.triangles.has_value(), r.size); }>(
         {.name = "vertices", .text = "Vertices in the file"}),
     reported<&ConvertedFile::triangles>({.text = "Triangles in the file"})};
 constexpr ReportSchema kConvertedFileSchema{kConvertedFile};
@@ -99,7 +99,7 @@ void run_convert(const ConvertArguments& a, Console& console) {
   for (std::size_t k = 0; k < parts.size(); ++k) {
     write_converted(files[k], parts[k], a.ascii);
     const bool mesh = parts[k].is_mesh;
-    outputs.push_back({files[k], parts[k].size(), told_if(mesh, parts[k].mesh.triangles.size())});
+    outputs.push_back({files[k], parts[k].size(), value_if(mesh, parts[k].mesh.triangles.size())});
   }
   console.print(fmt::format("{}: {} ({})", name, made.report.size_words, read.format));
   console.print(summary);

@@ -14,7 +14,7 @@ std::optional<std::string> single(const std::vector<std::string>& files) {
 
 constexpr ReportRow kReadFiles[] = {
     reported<[](const ReadFiles& r) { return single(r.files); }>({.name = "file", .text = "File, if there is one"}),
-    reported<[](const ReadFiles& r) { return told_if(r.files.size() != 1, r.files); }>(
+    reported<[](const ReadFiles& r) { return value_if(r.files.size() != 1, r.files); }>(
         {.name = "files", .text = "Files, if there are several"})};
 constexpr ReportRow kReadCloud[] = {reported_base<ReadFiles, ReadCloud>(),
                                     reported<&ReadCloud::format>({.text = "Format of the file"}),

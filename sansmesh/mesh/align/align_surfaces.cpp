@@ -305,7 +305,7 @@ constexpr ReportRow kSurfaceAlignmentRows[] = {
     reported<&SurfaceAlignment::samples>({.text = "Samples that were compared"}),
     reported<&SurfaceAlignment::iterations>({.text = "Steps of the last search", .unit = "steps"}),
     reported<&SurfaceAlignment::start>({.name = "from", .text = "Where the search began", .choices = kStartWords}),
-    reported<[](const SurfaceAlignment& r) { return told_if(r.searched, r.alternatives); }>(
+    reported<[](const SurfaceAlignment& r) { return value_if(r.searched, r.alternatives); }>(
         {.name = "alternatives", .text = "Other poses that fit as well; nothing where they were not looked for"}),
     reported<&SurfaceAlignment::alternative_angles>(
         {.name = "alternative_angles_deg", .text = "Angles to these", .unit = "degrees"}),

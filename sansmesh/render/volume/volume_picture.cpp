@@ -420,7 +420,7 @@ constexpr ReportRow kVolumePictureReportRows[] = {
         {.name = "colors.lower", .text = "Value of the first colour", .unit = "unit of the array"}),
     reported<[](const VolumePictureReport& r) { return r.transfer.range().second; }>(
         {.name = "colors.upper", .text = "Value of the last colour", .unit = "unit of the array"}),
-    reported<[](const VolumePictureReport& r) { return told_if(!r.why.empty(), r.why); }>(
+    reported<[](const VolumePictureReport& r) { return value_if(!r.why.empty(), r.why); }>(
         {.name = "why", .text = "Reason for these colours, if they were chosen"}),
     reported<&VolumePictureReport::rays>({.text = "Rays"}),
     reported<&VolumePictureReport::evaluations>({.text = "Evaluations for these"}),
