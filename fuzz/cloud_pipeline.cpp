@@ -191,7 +191,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       const auto [mesh, made, notes] = reconstruct(std::move(points), options, progress);
       check_mesh(mesh, !options.other_surface() && !made.open);
       demand(std::isfinite(made.spacing) && std::isfinite(made.noise) && std::isfinite(made.mesh_error) &&
-                 std::isfinite(made.behind) && std::isfinite(made.open_share) && std::isfinite(made.lost),
+                 std::isfinite(made.mean_winding_number) && std::isfinite(made.open_share) && std::isfinite(made.lost),
              "a number of the report is not finite");
       for (const Note& note : notes) fuzz::check_message(note.text);
     });

@@ -66,7 +66,7 @@ SANSMESH_API void check_colors(const FlowModel& flow, const FlowPictureOptions& 
 /// Draws a picture, or frames, each passed to `use` as it is made. `beside`: further surfaces in the same picture.
 /// Throws ArgumentError for bad options, DataError that begins with the flow's source; Cancelled.
 SANSMESH_API FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
-                                              std::vector<PictureSurface> beside, const UsePicture& use,
+                                              std::vector<SceneFactory> beside, const UsePicture& use,
                                               Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -177,7 +177,7 @@ struct SANSMESH_API FunctionInfo {
   int depth = 0;                  ///< deepest level of the tree
   /// Share of the surface that bounds no solid and ends with its samples.
   double open_share = 0;
-  double behind = 1;                 ///< mean winding number just behind the samples: 1 for a closed surface
+  double mean_winding_number = 1;    ///< mean winding number just behind the samples: 1 for a closed surface
   std::size_t samples = 0;           ///< samples that were kept
   bool colors = false;               ///< the samples have colours
   Box3 cube;                         ///< domain of the function: the cube of the octree

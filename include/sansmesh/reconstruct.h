@@ -50,7 +50,7 @@ struct SANSMESH_API ReconstructReport : MeshReport {
   double open_share = 0;  ///< share (0..1) of the function's surface that bounds no solid; 0 for other surfaces
   /// Mean winding number just behind the samples, which determines `open_share`: 1 for a closed surface, ½ for a plane.
   /// 1 for other surfaces.
-  double behind = 1;
+  double mean_winding_number = 1;
 
   static const ReportSchema& schema();  ///< report rows
 };

@@ -44,7 +44,7 @@ class SANSMESH_API VolumePictures {
  public:
   /// Uses the array that the volume was opened with (the length of vectors). `surfaces` are in the same pictures.
   /// Throws ArgumentError for bad options and unknown arrays, DataError if there is nothing to draw, Cancelled.
-  VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options, std::vector<PictureSurface> surfaces,
+  VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options, std::vector<SceneFactory> surfaces,
                  Progress& progress);
   ~VolumePictures();
   VolumePictures(VolumePictures&&) noexcept;  ///< move

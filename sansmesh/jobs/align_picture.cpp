@@ -15,11 +15,11 @@ constexpr Vec3f kMovedColor{0.94f, 0.55f, 0.12f}, kFixedColor{0.72f, 0.74f, 0.77
 
 Image draw_alignment(const AlignResult& aligned, RenderOptions picture, Progress& progress) {
   picture.look.use_colors = false;
-  std::vector<PictureSurface> surfaces;
+  std::vector<SceneFactory> surfaces;
   std::vector<Vec3> framed;
   for (const TriangleMesh* const mesh : {&aligned.moved, aligned.fixed.get()}) {
     picture.look.surface_color = mesh == &aligned.moved ? kMovedColor : kFixedColor;
-    surfaces.push_back(surface_in_picture(*mesh, picture));
+    surfaces.push_back(scene_factory(*mesh, picture));
     add_finite_points(mesh->origin, mesh->vertices, framed);
   }
   return render_surfaces(surfaces, framed, false, picture, progress);

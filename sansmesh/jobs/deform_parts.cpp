@@ -67,9 +67,8 @@ std::vector<Vec3> points_of_poses(const Deformation& deformation, const Box3& be
   return framed;
 }
 
-Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions& options,
-                      const Deformation& deformation, double share, std::vector<Vec3> framed, const TriangleMesh& folds,
-                      Progress& progress) {
+Image picture_of_pose(std::vector<SceneFactory> surfaces, const DeformOptions& options, const Deformation& deformation,
+                      double share, std::vector<Vec3> framed, const TriangleMesh& folds, Progress& progress) {
   RenderOptions picture = options.look.picture;
   picture.view.steady = options.frames.has_value();
   if (options.draw_handles && deformation.has_handles()) {
@@ -77,9 +76,9 @@ Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions&
     for (const Vec3& p : framed) box.extend(p);
     const TriangleMesh shapes = deformation.handle_shapes_at(share, box.diagonal());
     add_corners(finite_bounds(shapes.origin, shapes.vertices), framed);
-    surfaces.push_back(surface_in_picture(shapes, picture));
+    surfaces.push_back(scene_factory(shapes, picture));
   }
-  if (options.draw_folds && !folds.triangles.empty()) surfaces.push_back(surface_in_picture(folds, picture));
+  if (options.draw_folds && !folds.triangles.empty()) surfaces.push_back(scene_factory(folds, picture));
   return render_surfaces(surfaces, framed, false, picture, progress);
 }
 

@@ -34,8 +34,7 @@ void add_corners(const Box3& box, std::vector<Vec3>& points);
 std::vector<Vec3> points_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,
                                   bool unknown_as_before);
 /// Draws surfaces, with handles and folds if requested; `framed` and the handles determine the frame.
-Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions& options,
-                      const Deformation& deformation, double share, std::vector<Vec3> framed, const TriangleMesh& folds,
-                      Progress& progress);
+Image picture_of_pose(std::vector<SceneFactory> surfaces, const DeformOptions& options, const Deformation& deformation,
+                      double share, std::vector<Vec3> framed, const TriangleMesh& folds, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -101,9 +101,8 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
     std::vector<Vec3> points_in_view = framed;
     if (points_in_view.empty()) add_finite_points(moved.origin, moved.vertices, points_in_view);
     use(k, with_name(name, [&] {
-          return DeformedPicture{picture_of_pose({surface_in_picture(moved, options.look.picture)}, options,
-                                                 deformation, options.share(k), std::move(points_in_view), {},
-                                                 progress)};
+          return DeformedPicture{picture_of_pose({scene_factory(moved, options.look.picture)}, options, deformation,
+                                                 options.share(k), std::move(points_in_view), {}, progress)};
         }));
   }
   add_mesh_notes(r, mesh, name, result.notes);

@@ -153,8 +153,8 @@ class SolidPoses {
     if (aim_ != DeformAim::picture) return mesh;
     std::vector<Vec3> framed = framed_;
     if (framed.empty()) add_finite_points(mesh.origin, mesh.vertices, framed);
-    return DeformedPicture{picture_of_pose({surface_in_picture(mesh, options_.look.picture)}, options_, deformation_,
-                                           share, std::move(framed), {}, progress_)};
+    return DeformedPicture{picture_of_pose({scene_factory(mesh, options_.look.picture)}, options_, deformation_, share,
+                                           std::move(framed), {}, progress_)};
   }
 
   std::vector<Section> sections_of(const DeformedField& field) {
@@ -180,17 +180,17 @@ class SolidPoses {
     const TriangleMesh mesh = mesh_csg(field, o, progress_);
     std::vector<Vec3> framed = framed_;
     if (framed.empty()) add_finite_points(mesh.origin, mesh.vertices, framed);
-    const auto with = [&](PictureSurface surface) {
+    const auto with = [&](SceneFactory surface) {
       return picture_of_pose({std::move(surface)}, options_, deformation_, share, std::move(framed), folded, progress_);
     };
-    if (!exact) return with(surface_in_picture(mesh, options_.look.picture));
+    if (!exact) return with(scene_factory(mesh, options_.look.picture));
     const NearField near(field, mesh.origin);
     const SurfaceCaster caster(near, balls_of(mesh), {});
     LocalFrame frame;
     frame.origin = mesh.origin;
     SurfaceRenderOptions look;
     look.picture = options_.look.picture;
-    return with(surface_in_picture(caster, frame, nullptr, look));
+    return with(scene_factory(caster, frame, nullptr, look));
   }
 
   const SolidModel& solid_;

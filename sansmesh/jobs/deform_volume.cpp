@@ -140,10 +140,10 @@ class VolumePoses {
     if (framed.empty() && torn) add_corners(deformation_.box_of(maps, before_).value_or(box), framed);
     subject.framed = framed;
     if (options_.draw_folds && !folded.triangles.empty())
-      subject.surfaces.push_back(surface_in_picture(folded, look_.picture));
+      subject.surfaces.push_back(scene_factory(folded, look_.picture));
     if (options_.draw_handles && deformation_.has_handles())
       subject.surfaces.push_back(
-          surface_in_picture(deformation_.handle_shapes_at(share, before_.diagonal()), look_.picture));
+          scene_factory(deformation_.handle_shapes_at(share, before_.diagonal()), look_.picture));
     const VolumePicture picture(std::move(subject), progress_);
     VolumePictureReport report;
     DeformedPicture made{picture.render(look_, progress_, &report),

@@ -71,7 +71,7 @@ class ObjectScene {
   ObjectScene(const PictureOptions& options, std::size_t objects, RenderResult& result, Progress& progress)
       : o_(options), objects_(objects), result_(result), progress_(progress) {}
 
-  std::vector<PictureSurface> surfaces;
+  std::vector<SceneFactory> surfaces;
   std::vector<Vec3> framed;
   std::vector<LegendEntry> legend;
   std::vector<ObjectKind> kinds;
@@ -97,7 +97,7 @@ class ObjectScene {
   struct Drawn {
     ObjectKind kind;
     SurfaceRenderOptions look;
-    PictureSurface surface;
+    SceneFactory surface;
     Vec3f mean_color;
     double apart = 0;  ///< distance below which sheets count as one
   };
@@ -120,7 +120,7 @@ class ObjectScene {
     for (const Vec3f& p : samples.empty() ? model.balls().centers : samples)
       framed.push_back(model.frame().to_input(Vec3(p)));
     return {ObjectKind::function, look,
-            surface_in_picture(caster, model.frame(), look.picture.look.use_colors ? model.colors() : nullptr, look),
+            scene_factory(caster, model.frame(), look.picture.look.use_colors ? model.colors() : nullptr, look),
             look.picture.look.surface_color};
   }
 
@@ -143,7 +143,7 @@ class ObjectScene {
       apart = 4 * look.picture.look.point_radius.value_or(estimate_spacing(cloud));  // discs of one sheet
     }
     add_finite_points(mesh.origin, mesh.vertices, framed);
-    return {kind, look, surface_in_picture(mesh, look.picture),
+    return {kind, look, scene_factory(mesh, look.picture),
             look.picture.look.use_colors ? mean_of(mesh.colors) : look.picture.look.surface_color, apart};
   }
 

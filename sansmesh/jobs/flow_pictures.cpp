@@ -98,7 +98,7 @@ class VolumeAround {
     options_.transfer = o.preset.empty() ? suggest_transfer_function(values, false).function
                                          : transfer_function_preset(o.preset, values);
   }
-  Image render(const RenderOptions& picture, std::vector<PictureSurface> surfaces, Progress& progress) {
+  Image render(const RenderOptions& picture, std::vector<SceneFactory> surfaces, Progress& progress) {
     options_.picture = picture;
     picture_->set_surfaces(std::move(surfaces));
     return picture_->render(options_, progress);
@@ -138,12 +138,12 @@ class SurfacePictures {
     sheet_ = std::make_unique<DrawnFlow>(std::move(subject_), picture_);
   }
 
-  void stand_beside(std::vector<PictureSurface> beside) {
+  void stand_beside(std::vector<SceneFactory> beside) {
     beside_ = std::move(beside);
     if (!options_.arrows) return;
     RenderOptions dark = picture_;
     dark.look.surface_color = kArrowColor;
-    beside_.push_back(surface_in_picture(arrows_on(surface_, *options_.arrows), dark));
+    beside_.push_back(scene_factory(arrows_on(surface_, *options_.arrows), dark));
   }
 
   Image at(int frame) {
@@ -153,7 +153,7 @@ class SurfacePictures {
     FlowLook of_surface{.texture = std::nullopt, .opacity = options_.opacity, .splats = options_.splats};
     if (options_.textured) of_surface.texture = options_.streaks;
     if (of_surface.texture && options_.frames) of_surface.texture->phase = share;
-    std::vector<PictureSurface> surfaces = beside_;
+    std::vector<SceneFactory> surfaces = beside_;
     surfaces.push_back(sheet_->surface(of_surface));
     picture.view.steady = options_.turn != 0;
     Image image = around_ ? around_->render(picture, std::move(surfaces), progress_)
@@ -226,7 +226,7 @@ class SurfacePictures {
   std::vector<Vec3> points_;
   FlowSubject subject_;
   std::optional<ColorBar> bar_;
-  std::vector<PictureSurface> beside_;
+  std::vector<SceneFactory> beside_;
   std::unique_ptr<DrawnFlow> sheet_;
   FlowPicturesResult result_;
 };
@@ -304,7 +304,7 @@ void check_colors(const FlowModel& flow, const FlowPictureOptions& options) {
 }
 
 FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
-                                 std::vector<PictureSurface> beside, const UsePicture& use, Progress& progress) {
+                                 std::vector<SceneFactory> beside, const UsePicture& use, Progress& progress) {
   options.validate();
   check_colors(flow, options);
   SurfacePictures pictures(flow, options, progress);

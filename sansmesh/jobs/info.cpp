@@ -103,7 +103,7 @@ FunctionInfo info(const SurfaceFunction& described) {
   info.creased = r.creased;
   info.depth = r.depth;
   info.open_share = r.area > 0 ? std::min(1.0, r.open_area / r.area) : 0;
-  info.behind = r.behind;
+  info.mean_winding_number = r.mean_winding_number;
   info.samples = function.samples->size();
   info.colors = function.samples->has_colors();
   info.cube = frame.to_input(function.field.bounds());
@@ -121,7 +121,7 @@ const ReportSchema& FunctionInfo::schema() {
       reported<&FunctionInfo::fits_of_degree>({.text = "Local fits of degree 0 to 4"}),
       reported<&FunctionInfo::creased>({.text = "Local fits with a crease"}),
       reported<&FunctionInfo::open_share>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
-      reported<&FunctionInfo::behind>(
+      reported<&FunctionInfo::mean_winding_number>(
           {.name = "winding_number_behind", .text = "Mean winding number behind the samples"}),
       reported<&FunctionInfo::depth>({.text = "Deepest level of the tree"}),
       reported<&FunctionInfo::samples>({.text = "Samples that were kept"}),

@@ -172,13 +172,13 @@ void MotionPictures::show(Motion motion) {
 
 Image MotionPictures::draw(std::size_t frame, Progress& progress) {
   State& s = *state_;
-  std::vector<PictureSurface> surfaces;
+  std::vector<SceneFactory> surfaces;
   RenderOptions colored = s.options;
   colored.look.use_colors = true;
   colored.look.wireframe = PictureLook::Wireframe::none;
   surfaces.reserve(s.obstacles.size() + 1);
-  for (const TriangleMesh& m : s.obstacles) surfaces.push_back(surface_in_picture(m, colored));
-  if (s.surface) surfaces.push_back(surface_in_picture(s.surface->at(s.motion, frame), s.options));
+  for (const TriangleMesh& m : s.obstacles) surfaces.push_back(scene_factory(m, colored));
+  if (s.surface) surfaces.push_back(scene_factory(s.surface->at(s.motion, frame), s.options));
   if (!s.volume) return render_surfaces(surfaces, s.framed, false, s.options, progress);
   const std::vector<Vec3> x = s.motion.positions(frame);
   Box3 box;

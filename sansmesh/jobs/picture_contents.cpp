@@ -35,7 +35,7 @@ const OptionSchema& PictureContentsOptions::schema() {
 
 PictureContents::PictureContents(const PictureContentsOptions& options, const RenderOptions& look, Progress& progress) {
   for (const std::string& file : options.meshes)
-    with_file(file, [&] { surfaces_.push_back(surface_in_picture(read_mesh(file), look)); });
+    with_file(file, [&] { surfaces_.push_back(scene_factory(read_mesh(file), look)); });
   for (const std::string& file : options.points) with_file(file, [&] { add_points(file, look, progress); });
 }
 
@@ -51,7 +51,7 @@ void PictureContents::add_points(const std::string& file, const RenderOptions& l
                                                 progress));
   const SeenSurface& s = *seen_.back();
   add_notes(notes_, "surface", s.model.warnings(), file);
-  surfaces_.push_back(surface_in_picture(s.caster, s.model.frame(), s.model.colors(), surface));
+  surfaces_.push_back(scene_factory(s.caster, s.model.frame(), s.model.colors(), surface));
 }
 
 }  // namespace sansmesh::inline v1

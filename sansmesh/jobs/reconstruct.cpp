@@ -158,7 +158,7 @@ ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options
   r.fits_of_degree = f.functions_of_degree;
   r.paper = function.paper;
   r.open_share = f.area > 0 ? f.open_area / f.area : 0;
-  r.behind = f.behind;
+  r.mean_winding_number = f.mean_winding_number;
   if (r.most_lost && !r.warnings.empty())
     r.warnings.back() += r.open_share < 1 ? "; `open = true` ends the surface where the samples end" : kKeepAll;
   add_notes(result.notes, "preparation", function.warnings);
@@ -183,7 +183,7 @@ const ReportSchema& ReconstructReport::schema() {
       reported<&ReconstructReport::fits_of_degree>({.text = "Local fits of degree 0 to 4"}),
       reported<&ReconstructReport::paper>({.text = "Construction of blocks, for fits by a published method"}),
       reported<&ReconstructReport::open_share>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
-      reported<&ReconstructReport::behind>(
+      reported<&ReconstructReport::mean_winding_number>(
           {.name = "winding_number_behind", .text = "Mean winding number behind the samples"})};
   return report_schema<rows>();
 }
@@ -193,7 +193,7 @@ namespace {
 /// Whether the surface bounds a solid, and why.
 std::string openness_words(const ReconstructReport& r, std::optional<bool> asked) {
   if (asked) return *asked ? "open, as requested: the surface ends where the samples end" : "closed, as requested";
-  const std::string why = fmt::format("winding number {:.2f} behind the samples", r.behind);
+  const std::string why = fmt::format("winding number {:.2f} behind the samples", r.mean_winding_number);
   if (r.open_share <= 0) return fmt::format("closed ({})", why);
   if (r.open_share > 0.995) return fmt::format("open ({}): the surface ends where the samples end", why);
   return fmt::format("{:.0f} % open ({}): there the surface ends where the samples end", 100 * r.open_share, why);

@@ -20,7 +20,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 /// Outer edges of the grid's cells, about 1.5 pixels wide; thinner for small cells.
-PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& options) {
+SceneFactory grid_lines(const SampledVolume& samples, const RenderOptions& options) {
   RenderOptions own = options;
   own.look.surface_color = options.look.wire_color;
   TubeOptions tube;
@@ -38,7 +38,7 @@ PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& opt
   for (std::size_t i = 0; i < lines.size(); ++i)
     length += norm(Vec3(lines.positions[lines.offsets[i] + 1] - lines.positions[lines.offsets[i]]));
   if (length > 0) tube.radius = std::min(tube.radius, kCovered * sides / (2 * length));
-  return surface_in_picture(tubes(lines, tube), own);
+  return scene_factory(tubes(lines, tube), own);
 }
 
 }  // namespace
@@ -83,7 +83,7 @@ void VolumePicturesOptions::validate() const {
 }
 
 VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options,
-                               std::vector<PictureSurface> surfaces, Progress& progress)
+                               std::vector<SceneFactory> surfaces, Progress& progress)
     : state_(std::make_unique<State>()) {
   options.validate();
   State& s = *state_;

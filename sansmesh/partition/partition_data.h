@@ -45,9 +45,9 @@ struct PartitionReport {
   int depth = 0;              ///< deepest level used
   std::size_t functions = 0;  ///< supports
   FitsOfDegree functions_of_degree{};
-  std::size_t creased = 0;  ///< supports with a crease or corner
-  double open_area = 0;     ///< of sheets that bound no solid (length²)
-  double behind = 1;        ///< mean winding number just behind the samples: 1 if the surface is closed, 1/2 of a plane
+  std::size_t creased = 0;         ///< supports with a crease or corner
+  double open_area = 0;            ///< of sheets that bound no solid (length²)
+  double mean_winding_number = 1;  ///< just behind the samples: 1 of a closed surface, 1/2 of a plane
 };
 
 /// Of one support, beside its function: which block it belongs to, and how well it was fitted. The layout is that of
