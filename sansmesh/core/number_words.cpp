@@ -21,9 +21,9 @@ std::string counted(std::uint64_t n, std::string_view noun) {
 
 std::string length_words(double length) { return fmt::format("{:.4g}", length); }
 
-std::string place_words(const Vec3& p) {
+std::string point_words(const Vec3& p, int digits) {
   // Adding 0 turns -0 into 0.
-  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x + 0.0, p.y + 0.0, p.z + 0.0);
+  return fmt::format("({:.{}g}, {:.{}g}, {:.{}g})", p.x + 0.0, digits, p.y + 0.0, digits, p.z + 0.0, digits);
 }
 
 std::string size_words(const Vec3& size) {

@@ -71,8 +71,6 @@ double mean_edge(const TriangleMesh& mesh) {
   return mesh.triangles.empty() ? 0 : sum / static_cast<double>(mesh.triangles.size());
 }
 
-std::string exact_place_words(const Vec3& p) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x, p.y, p.z); }
-
 /// "34 %"; all only if it is all.
 std::string percent_of(double share) {
   const double percent = std::floor(1000 * share) / 10;
@@ -153,7 +151,7 @@ class Updating {
   bool no_way(const Pending& p) {
     update_.why = agreement_ < kAgreement ? no_agreement()
                                           : "no border was found along which old and new triangles meet, around " +
-                                                exact_place_words(function_.frame.to_input(p.change.center()));
+                                                point_words(function_.frame.to_input(p.change.center()), 9);
     return false;
   }
 
@@ -212,7 +210,7 @@ bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::sp
   const std::size_t off = match.vertices - match.on;
   if (static_cast<double>(off) > kOff * static_cast<double>(match.vertices)) {
     u.why = fmt::format("{} of {} vertices off the changes are not on the surface, the farthest at {}", grouped(off),
-                        grouped(match.vertices), exact_place_words(match.farthest_at));
+                        grouped(match.vertices), point_words(match.farthest_at, 9));
     return false;
   }
   // In the coordinates of the field.

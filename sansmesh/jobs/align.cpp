@@ -79,10 +79,9 @@ const ReportSchema& AlignResult::schema() {
 
 std::vector<std::string> summary_of(const SurfaceAlignment& r) {
   const SimilarityMotion& m = r.motion;
-  const Vec3 axis = m.axis();
-  return {titled("turned by", fmt::format("{:.6g}° about ({:.4g}, {:.4g}, {:.4g}){}", m.angle(), axis.x, axis.y, axis.z,
+  return {titled("turned by", fmt::format("{:.6g}° about {}{}", m.angle(), point_words(m.axis(), 4),
                                           m.scale != 1 ? fmt::format(", scaled by {:.6g}", m.scale) : "")),
-          titled("its middle by", fmt::format("{}; all of it by {} (root mean square)", place_words(m.to - m.from),
+          titled("its middle by", fmt::format("{}; all of it by {} (root mean square)", point_words(m.to - m.from),
                                               length_words(r.moved))),
           titled("distance",
                  fmt::format("rms {}, half below {}, 95 % below {} (before: half below {})", length_words(r.rms),

@@ -102,7 +102,7 @@ namespace {
 std::string far_words(const FarPlaces& f, const char* of, const char* from) {
   return fmt::format("{} of the {}: farther than {} from {}{}",
                      f.share > 0 && f.share < 5e-5 ? "less than 0.01 %" : fmt::format("{:.2f} %", 100 * f.share), of,
-                     length_words(f.beyond), from, f.most ? ", most of it around " + place_words(*f.most) : "");
+                     length_words(f.beyond), from, f.most ? ", most of it around " + point_words(*f.most) : "");
 }
 
 }  // namespace

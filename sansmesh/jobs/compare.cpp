@@ -141,10 +141,10 @@ void add_statistics(const DistanceMap& map, const std::optional<double>& toleran
   line("absolute", fmt::format("mean {}, rms {}, 95 % below {}", length_words(s.mean_absolute), length_words(s.rms),
                                length_words(s.p95_absolute)));
   if (map.has_sides && s.lowest < 0)
-    line("farthest inside", fmt::format("{:+.4g} at {}", s.lowest, place_words(s.lowest_at)));
+    line("farthest inside", fmt::format("{:+.4g} at {}", s.lowest, point_words(s.lowest_at)));
   if (s.highest > 0)
     line(map.has_sides ? "and outside" : "farthest",
-         fmt::format("{:+.4g} at {}", s.highest, place_words(s.highest_at)));
+         fmt::format("{:+.4g} at {}", s.highest, point_words(s.highest_at)));
   if (s.within_tolerance)
     line("tolerance", fmt::format("{:.3f} % within ±{}", 100 * *s.within_tolerance, length_words(*tolerance)));
 }

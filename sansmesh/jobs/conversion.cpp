@@ -73,9 +73,8 @@ ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step, DoStep& how) {
     throw DataError(in_accents(done.step) + (sentence ? ": " : " ") + cause);
   }
   if (data.size() == 0 || (data.is_mesh && data.mesh.triangles.empty()))
-    throw DataError(fmt::format(
-        "{} leaves nothing of {} between ({:.10g}, {:.10g}, {:.10g}) and ({:.10g}, {:.10g}, {:.10g})",
-        in_accents(done.step), before, box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z));
+    throw DataError(fmt::format("{} leaves nothing of {} between {} and {}", in_accents(done.step), before,
+                                point_words(box.lower, 10), point_words(box.upper, 10)));
   done.size = data.size();
   if (data.is_mesh) done.triangles = data.mesh.triangles.size();
   return done;

@@ -34,14 +34,13 @@ TriangleMesh FoldWatch::look(const SpaceMap& map, const Box3& box, Progress& pro
 
 void FoldWatch::add_note(const std::string& name, std::vector<Note>& notes) const {
   if (worst_.folds.empty()) return;
-  const Vec3& center = worst_.folds[0].center;
-  notes.push_back(
-      {.code = "folded",
-       .text = fmt::format("space folds in {:.2g} % of the box, in {}, the largest at about "
-                           "({:.4g}, {:.4g}, {:.4g}): handles move across each other there",
-                           100 * worst_.share, counted(worst_.folds.size(), "place"), center.x, center.y, center.z),
-       .remedy = "move them less, or in several steps, or take a smaller `alpha`",
-       .of = name});
+  notes.push_back({.code = "folded",
+                   .text = fmt::format("space folds in {:.2g} % of the box, in {}, the largest at about "
+                                       "{}: handles move across each other there",
+                                       100 * worst_.share, counted(worst_.folds.size(), "place"),
+                                       point_words(worst_.folds[0].center, 4)),
+                   .remedy = "move them less, or in several steps, or take a smaller `alpha`",
+                   .of = name});
 }
 
 Box3 with_room(const Box3& box, double share) {

@@ -21,12 +21,11 @@ void check_mesh(const EditInput& input) {
   if (input.mesh->triangles.empty()) throw DataError(input.mesh_name + ": has no triangles");
   const MeshMatch match = match_mesh(input.function.fitted(), *input.mesh);
   if (match.belongs()) return;
-  const Vec3& at = match.farthest_at;
   throw DataError(
       fmt::format("{}: is not a mesh of {}: {} of {} tested vertices {} on that surface, the farthest "
-                  "is about {} off, at ({:.9g}, {:.9g}, {:.9g})",
+                  "is about {} off, at {}",
                   input.mesh_name, input.name, grouped(match.on), grouped(match.vertices), match.on == 1 ? "is" : "are",
-                  length_words(match.farthest), at.x, at.y, at.z));
+                  length_words(match.farthest), point_words(match.farthest_at, 9)));
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ std::vector<std::string> summary_of(const HoleLoops& holes, std::size_t most) {
     const std::string_view word = h.outcome ? kOutcomeWords[static_cast<std::size_t>(*h.outcome)] : "";
     lines.push_back(fmt::format("{:>6} edges, diameter {:<9} ({:.0f} % of its piece), perimeter {:<9} at {}{}{}",
                                 grouped(h.vertices.size()), length_words(h.diameter), 100 * h.share,
-                                length_words(h.perimeter), place_words(h.middle), word.empty() ? "" : ": ", word));
+                                length_words(h.perimeter), point_words(h.middle), word.empty() ? "" : ": ", word));
   }
   if (holes.loops.size() > most)
     lines.push_back(fmt::format("and {} smaller ones", grouped(holes.loops.size() - most)));

@@ -211,9 +211,8 @@ Seeds FlowModel::seed_curve(const std::string& text, std::vector<Note>& notes) c
 
 DataError in_flow(const FlowModel& flow, const DataError& error) {
   const Box3 box = flow.field().bounds();
-  return DataError(fmt::format("{}: {} (it is between ({:.6g}, {:.6g}, {:.6g}) and ({:.6g}, {:.6g}, {:.6g}))",
-                               flow.source(), error.what(), box.lower.x, box.lower.y, box.lower.z, box.upper.x,
-                               box.upper.y, box.upper.z));
+  return DataError(fmt::format("{}: {} (it is between {} and {})", flow.source(), error.what(), point_words(box.lower),
+                               point_words(box.upper)));
 }
 
 FlowModel open_flow(const std::vector<std::string>& files, const VolumeModelOptions& volume,

@@ -216,9 +216,7 @@ std::string classes_words(const CloudInfo& made) {
 }  // namespace
 
 std::string box_words(const Box3& box) {
-  const auto& [lower, upper] = box;
-  return fmt::format("from ({:.10g}, {:.10g}, {:.10g}) to ({:.10g}, {:.10g}, {:.10g})", lower.x, lower.y, lower.z,
-                     upper.x, upper.y, upper.z);
+  return fmt::format("from {} to {}", point_words(box.lower, 10), point_words(box.upper, 10));
 }
 
 std::string array_words(const AttributeInfo& a) {

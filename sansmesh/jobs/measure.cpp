@@ -95,7 +95,7 @@ void add_components(const std::vector<BodyMeasures>& components, std::vector<std
     const BodyMeasures& b = components[i];
     lines.push_back(fmt::format("{:<10} {:>12} {:>14.6g} {:>14}  {}", i, grouped(b.triangles), b.area,
                                 b.mass ? fmt::format("{:.6g}", b.mass->volume) : "not closed",
-                                place_words(b.mass ? b.mass->center : b.surface_center)));
+                                point_words(b.mass ? b.mass->center : b.surface_center)));
   }
   if (components.size() > kPrintedComponents)
     lines.push_back(fmt::format("… {} more", grouped(components.size() - kPrintedComponents)));
@@ -111,19 +111,19 @@ std::vector<std::string> summary_of(const SolidMeasures& m) {
   line("area", fmt::format("{:.8g}", w.area));
   if (w.mass) {
     line("volume", fmt::format("{:.8g}", w.mass->volume));
-    line("centre of mass", place_words(w.mass->center));
+    line("centre of mass", point_words(w.mass->center));
     for (std::size_t k = 0; k < 3; ++k)
       line(k == 0 ? "principal moments" : "",
-           fmt::format("{:.6g} about {}", w.mass->moments[k], place_words(w.mass->axes[k])));
+           fmt::format("{:.6g} about {}", w.mass->moments[k], point_words(w.mass->axes[k])));
   } else {
-    line("centre of surface", place_words(w.surface_center));
+    line("centre of surface", point_words(w.surface_center));
   }
   const Vec3 size = w.box.size();
-  line("box", fmt::format("{} from {} to {}", sides(size.x, size.y, size.z), place_words(w.box.lower),
-                          place_words(w.box.upper)));
+  line("box", fmt::format("{} from {} to {}", sides(size.x, size.y, size.z), point_words(w.box.lower),
+                          point_words(w.box.upper)));
   const OrientedBox& box = m.smallest_box;
   line("smallest box", fmt::format("{} along {}, {}, {}", sides(box.sizes[0], box.sizes[1], box.sizes[2]),
-                                   place_words(box.axes[0]), place_words(box.axes[1]), place_words(box.axes[2])));
+                                   point_words(box.axes[0]), point_words(box.axes[1]), point_words(box.axes[2])));
   add_components(m.components, lines);
   return lines;
 }

@@ -73,8 +73,8 @@ std::vector<std::string> summary_of(const ProbeFunctionResult& probed) {
                                 r.largest_gradient));
   else
     for (const ProbedPoint& v : probed.values)
-      lines.push_back(fmt::format("({:.8g}, {:.8g}, {:.8g})  value {:.6g}  gradient {}  curvatures {:.4g}, {:.4g}",
-                                  v.at.x, v.at.y, v.at.z, v.value, place_words(v.gradient), v.k1, v.k2));
+      lines.push_back(fmt::format("{}  value {:.6g}  gradient {}  curvatures {:.4g}, {:.4g}", point_words(v.at, 8),
+                                  v.value, point_words(v.gradient), v.k1, v.k2));
   return lines;
 }
 

@@ -41,13 +41,10 @@ ProbeResult probe_volume(const VolumeModel& volume, std::span<const Vec3> points
   result.report.inside = static_cast<std::size_t>(std::count(result.inside.begin(), result.inside.end(), 1));
   if (n > 0 && result.report.inside == 0) {
     const Box3 box = field->bounds();
-    result.notes.push_back(
-        {.code = "outside",
-         .text = fmt::format("none of {} is in the volume, which extends from ({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, "
-                             "{:.6g}, {:.6g})",
-                             counted(n, "point"), box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y,
-                             box.upper.z),
-         .of = volume.name()});
+    result.notes.push_back({.code = "outside",
+                            .text = fmt::format("none of {} is in the volume, which extends from {} to {}",
+                                                counted(n, "point"), point_words(box.lower), point_words(box.upper)),
+                            .of = volume.name()});
   }
   return result;
 }
@@ -102,8 +99,8 @@ std::vector<std::string> summary_of(const ProbeResult& probed) {
       fmt::format("{}, {} in the volume", counted(n, "point"), grouped(probed.report.inside))};
   if (n <= kListedPoints)
     for (const ProbedValue& v : probed_values(probed))
-      lines.push_back(fmt::format("({:.8g}, {:.8g}, {:.8g})  {} {:.8g}  gradient {}{}", v.at.x, v.at.y, v.at.z, v.name,
-                                  v.value, place_words(v.gradient), v.inside ? "" : "  outside"));
+      lines.push_back(fmt::format("{}  {} {:.8g}  gradient {}{}", point_words(v.at, 8), v.name, v.value,
+                                  point_words(v.gradient), v.inside ? "" : "  outside"));
   return lines;
 }
 
