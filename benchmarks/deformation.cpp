@@ -9,7 +9,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <random>
@@ -29,16 +28,13 @@
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render_options.h"
+#include "timing.h"
 
 namespace {
 
 using namespace sansmesh;
 
 constexpr int kRounds = 3;
-
-double wall_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// 15 handles in −1..1 as in figure 6.8: most are fixed, some move up to half a unit.
 std::vector<Handle> fifteen_handles() {
@@ -84,9 +80,10 @@ void time_maps(std::size_t largest) {
       double wall = 1e9, cpu = 1e9, worst = 0;
       for (int round = 0; round < (row.degree == 3 && n > 128 ? 1 : kRounds); ++round) {
         Progress progress;
-        const double from = wall_seconds(), cpu_from = process_cpu_seconds();
+        const Time start = now();
         const DisplacementMap lattice = displacement_map(map, box, {n, n, n}, progress);
-        wall = std::min(wall, wall_seconds() - from), cpu = std::min(cpu, process_cpu_seconds() - cpu_from);
+        const Time time = now() - start;
+        wall = std::min(wall, time.wall), cpu = std::min(cpu, time.cpu);
         if (round > 0 || n > 128) continue;
         std::vector<Vec3> x;
         for (std::size_t i = 0; i < n * n * n; i += 101) {
@@ -119,10 +116,11 @@ void time_folds() {
     options.kind = kind;
     const MlsDeformation map(fifteen_handles(), options);
     Progress progress;
-    const double from = wall_seconds(), cpu_from = process_cpu_seconds();
+    const Time start = now();
     const FoldReport report = find_folds(map, {{-1, -1, -1}, {1, 1, 1}}, {64, 64, 64}, progress);
-    fmt::print("{}: {:.3f} ({:.3f}); folded {:.2f} % in {} places\n", name, wall_seconds() - from,
-               process_cpu_seconds() - cpu_from, 100 * report.share, report.folds.size());
+    const Time time = now() - start;
+    fmt::print("{}: {:.3f} ({:.3f}); folded {:.2f} % in {} places\n", name, time.wall, time.cpu, 100 * report.share,
+               report.folds.size());
   }
 }
 

@@ -9,7 +9,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
@@ -29,6 +28,7 @@
 #include "sansmesh/render/volume/transfer_presets.h"
 #include "sansmesh/render/volume/value_histogram.h"
 #include "sansmesh/render/volume/volume_picture.h"
+#include "timing.h"
 
 namespace {
 
@@ -132,8 +132,8 @@ void measure(const Subject& s, bool deformed, std::size_t nodes, int frames, Pro
   Image image;
   double map = 0, picture = 0, rays = 0, all = 0, wall = 0, evaluations = 0;
   for (int k = 0; k <= frames; ++k) {
-    const auto clock = std::chrono::steady_clock::now();
-    const double t0 = process_cpu_seconds();
+    const Time start = now();
+    const double t0 = start.cpu;
     std::shared_ptr<const VolumeField> seen = s.baked;
     double t1 = t0;
     if (deformed) {
@@ -153,7 +153,7 @@ void measure(const Subject& s, bool deformed, std::size_t nodes, int frames, Pro
     const double t3 = process_cpu_seconds();
     if (k == 0) continue;  // the first run touches new memory
     map += t1 - t0, picture += t2 - t1, rays += t3 - t2, all += t3 - t0;
-    wall += std::chrono::duration<double>(std::chrono::steady_clock::now() - clock).count();
+    wall += now().wall - start.wall;
     evaluations += static_cast<double>(report.evaluations);
   }
   fmt::print(

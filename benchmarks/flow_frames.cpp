@@ -9,7 +9,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdlib>
 #include <utility>
 #include <vector>
@@ -18,12 +17,11 @@
 #include "sansmesh/flow/flow_surface.h"
 #include "sansmesh/flow_options.h"
 #include "sansmesh/render/surface/picture_surfaces.h"
+#include "timing.h"
 
 namespace {
 
 using namespace sansmesh;
-
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 void run(int size, int frames) {
   const auto flow = analytic_flow("tornado");
@@ -58,11 +56,11 @@ void run(int size, int frames) {
       double cpu = 0, covered = 0;
       for (int k = 0; k <= frames; ++k) {
         picture.view.direction = {360.0 * k / frames, 60};
-        const double begin = seconds(), before = process_cpu_seconds();
+        const Time start = now();
         const Image image = render_surfaces({&drawn, 1}, places, false, picture, progress);
         if (k == 0) continue;  // builds the tree
-        times.push_back(seconds() - begin);
-        cpu += process_cpu_seconds() - before;
+        const Time time = now() - start;
+        times.push_back(time.wall), cpu += time.cpu;
         for (const Rgba& p : image.pixels) covered += p != image.pixels[0];
       }
       std::sort(times.begin(), times.end());

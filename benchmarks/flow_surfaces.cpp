@@ -11,7 +11,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -31,6 +30,7 @@
 #include "sansmesh/progress.h"
 #include "sansmesh/volume/grid/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
+#include "timing.h"
 
 namespace {
 
@@ -75,15 +75,8 @@ std::unique_ptr<VectorField> on_lattice(const VectorField& flow, std::array<std:
 void time_surface(const std::string& what, const VectorField& flow, const SeedCurve& curve,
                   FlowSurfaceOptions options) {
   Progress progress;
-  double best = 1e9, cpu = 0;
   FlowSurface surface;
-  for (int k = 0; k < 5; ++k) {
-    const auto begin = std::chrono::steady_clock::now();
-    const double before = process_cpu_seconds();
-    surface = flow_surface(flow, curve, options, progress);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    if (seconds < best) best = seconds, cpu = process_cpu_seconds() - before;
-  }
+  const auto [best, cpu] = fastest_of(5, [&] { surface = flow_surface(flow, curve, options, progress); });
   const FlowSurfaceReport& r = surface.report;
   fmt::print(
       "{:44} {:7.3f} s {:7.3f} CPU s {:5.1f}/s {:8} points {:8} triangles {:5} fronts {:6} inserted {:6} removed {:4} "
@@ -220,15 +213,8 @@ void time_lines(const std::string& what, const VectorField& flow) {
   FlowLineOptions options;
   options.length = 2 * flow.bounds().diagonal();
   const Seeds seeds = parse_seeds("box(10648)", flow.bounds());
-  double best = 1e9, cpu = 0;
   PolylineSet lines;
-  for (int k = 0; k < 5; ++k) {
-    const auto begin = std::chrono::steady_clock::now();
-    const double before = process_cpu_seconds();
-    lines = flow_lines(flow, seeds.points, options, progress);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    if (seconds < best) best = seconds, cpu = process_cpu_seconds() - before;
-  }
+  const auto [best, cpu] = fastest_of(5, [&] { lines = flow_lines(flow, seeds.points, options, progress); });
   fmt::print("{:44} {:7.3f} s {:7.3f} CPU s {:8} lines {:9} points\n", what, best, cpu, lines.size(),
              lines.positions.size());
 }

@@ -2,10 +2,8 @@
 //
 //   benchmark_function_edit CLOUD [ROUNDS]
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <exception>
 #include <string>
 #include <vector>
@@ -15,22 +13,11 @@
 #include "sansmesh/function/update_mesh.h"
 #include "sansmesh/io.h"
 #include "sansmesh/mesh_measures.h"
+#include "timing.h"
 
 namespace {
 
 using namespace sansmesh;
-
-struct Time {
-  double wall = 0, cpu = 0;
-  Time operator-(const Time& o) const { return {wall - o.wall, cpu - o.cpu}; }
-  Time operator+(const Time& o) const { return {wall + o.wall, cpu + o.cpu}; }
-};
-Time now() {
-  timespec t{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
-  return {std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(),
-          static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec)};
-}
 
 void print(const std::string& what, const Time& t, const Time& whole) {
   std::printf("%-46s %8.3f s wall %8.3f s CPU   1/%-6.1f 1/%-6.1f\n", what.c_str(), t.wall, t.cpu, whole.wall / t.wall,

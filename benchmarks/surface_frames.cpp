@@ -7,7 +7,6 @@
 // number of points, which the table marks. A frame includes everything from rays to shaded pixels, one ray per pixel,
 // without shadows, but neither fitting nor the trees over the samples, as in the thesis.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -18,6 +17,7 @@
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/render/surface/surface_caster.h"
 #include "sansmesh/render/surface/surface_picture.h"
+#include "timing.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -98,8 +98,6 @@ PointSet load(const std::string& folder, const Cloud& cloud) {
   return some;
 }
 
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
-
 void run(const std::string& folder, int runs) {
   std::printf("%-22s %-10s %9s %8s %6s %11s %11s %8s  %s\n", "cloud", "surface", "pixels", "covered", "evals",
               "s a frame", "thesis s", "ratio", "note");
@@ -119,13 +117,10 @@ void run(const std::string& folder, int runs) {
     SurfaceRenderOptions picture;
     picture.picture.view.width = row.width, picture.picture.view.height = row.height;
     picture.plain = true;
-    double best = 1e30;
-    for (int k = 0; k < runs; ++k) {
-      caster.reset_counts();
-      const double start = seconds();
-      render_surface(caster, model.points().positions, nullptr, picture, progress);
-      best = std::min(best, seconds() - start);
-    }
+    const double best = fastest_of(runs, [&] {
+                          caster.reset_counts();
+                          render_surface(caster, model.points().positions, nullptr, picture, progress);
+                        }).wall;
     const CastCounts counts = caster.counts();
     std::string name = row.method;
     if (name == "amls") name += "-" + std::to_string(row.iterations) + (row.sharp ? "#" : "");

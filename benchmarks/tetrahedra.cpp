@@ -11,8 +11,6 @@
 // meshes with steps of 0.01 s (benchmarks/compare_dynamics).
 #include <fmt/core.h>
 
-#include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -28,12 +26,11 @@
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
 #include "sansmesh/progress.h"
+#include "timing.h"
 
 namespace {
 
 using namespace sansmesh;
-
-double seconds() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 struct Subject {
   std::string name;
@@ -81,11 +78,10 @@ void measure(const Subject& subject, SoftBodyModel model, int integrator, double
   std::vector<double> walls, cpus;
   int iterations = 0;
   try {
-    for (const double begin = seconds();
-         body.time() < 0.6 - 1e-9 && (seconds() - begin < patience || walls.size() < 5);) {
-      const double before = seconds(), used = process_cpu_seconds();
-      iterations += body.step().iterations;
-      walls.push_back(seconds() - before), cpus.push_back(process_cpu_seconds() - used);
+    for (const double begin = now().wall;
+         body.time() < 0.6 - 1e-9 && (now().wall - begin < patience || walls.size() < 5);) {
+      const Time time = time_of([&] { iterations += body.step().iterations; });
+      walls.push_back(time.wall), cpus.push_back(time.cpu);
     }
   } catch (const Error& error) {
     fmt::print("| {} | {} | {} | {} | | | | | {} |\n", subject.name, subject.mesh.tets.size(),
