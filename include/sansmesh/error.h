@@ -39,7 +39,7 @@ struct ArgumentFault {
   std::string field;    ///< name of the option
   std::string value;    ///< given value, as text
   std::string allowed;  ///< allowed values: "from 1 to 10", "one of compact, gaussian"
-  std::string remedy;   ///< remedy; empty if `allowed` states it
+  std::string remedy = {};   ///< remedy; empty if `allowed` states it
 };
 
 /// An argument or option out of range. Messages name options by their fields, between grave accents: `enhance = false`.

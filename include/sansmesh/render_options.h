@@ -249,15 +249,15 @@ SANSMESH_API Image render_mesh(const TriangleMesh& mesh, const RenderOptions& op
 /// Takes a picture as it is made, from frame 0 on; `made_with` are its options.
 using UsePicture = std::function<void(std::size_t frame, const Image& image, const RenderOptions& made_with)>;
 
-/// Something that stands in a picture, as surface_in_picture() makes it: it owns what it needs. Gets ready for a
+/// Something that stands in a picture, as scene_factory() makes it: it owns what it needs. Gets ready for a
 /// picture with this frame and camera, both of which only the library knows.
-using PictureSurface = std::function<std::unique_ptr<PictureScene>(const PictureFrame& frame, const Camera& camera)>;
+using SceneFactory = std::function<std::unique_ptr<PictureScene>(const PictureFrame& frame, const Camera& camera)>;
 
 /// A mesh, or a cloud as discs or balls. The mesh is copied. Throws DataError where there is nothing to draw.
-SANSMESH_API PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options);
+SANSMESH_API SceneFactory scene_factory(const TriangleMesh& mesh, const RenderOptions& options);
 /// The same with light from behind coming through, sheet after sheet: `opacity` 0..1 is the share that is kept back
 /// where the surface is seen at right angles. `apart`: sheets nearer to each other than this, in the coordinates of the
 /// picture, are one; default: what floats can tell apart.
-SANSMESH_API PictureSurface translucent(PictureSurface surface, double opacity, double apart = 0);
+SANSMESH_API SceneFactory translucent(SceneFactory surface, double opacity, double apart = 0);
 
 }  // namespace sansmesh::inline v1

@@ -250,19 +250,19 @@ constexpr ReportRow kCloudTraitsRows[] = {
         {.text = "Local spacing: its 95 % quantile over its 5 % quantile", .unit = "factor"}),
     reported<&CloudTraits::evenness>({.text = "Distance of the nearest sample over the spacing"}),
     reported<&CloudTraits::outliers>({.text = "Share of samples that belong to no surface", .unit = "share"}),
-    reported<[](const CloudTraits& r) { return told_if(r.creases_known, r.creases); }>(
+    reported<[](const CloudTraits& r) { return value_if(r.creases_known, r.creases); }>(
         {.name = "creases",
          .text = "Share of places next to a sharp edge; nothing where noise hides them",
          .unit = "share"}),
-    reported<[](const CloudTraits& r) { return told_if(r.creases_known, r.crease_length); }>(
+    reported<[](const CloudTraits& r) { return value_if(r.creases_known, r.crease_length); }>(
         {.name = "crease_length", .text = "Length of the sharp edges", .unit = "diagonals"}),
     reported<&CloudTraits::borders>({.text = "Share of places next to a border or hole", .unit = "share"}),
     reported<&CloudTraits::border_length>({.text = "Length of the borders", .unit = "diagonals"}),
     reported<&CloudTraits::open>({.text = "Share of the surface that bounds no solid", .unit = "share"}),
     reported<&CloudTraits::faces>({.text = "Whether there are faces"}),
-    reported<[](const CloudTraits& r) { return told_if(r.faces, r.open_edges); }>(
+    reported<[](const CloudTraits& r) { return value_if(r.faces, r.open_edges); }>(
         {.name = "open_edges", .text = "Edges of one face"}),
-    reported<[](const CloudTraits& r) { return told_if(r.faces, r.open_loops); }>(
+    reported<[](const CloudTraits& r) { return value_if(r.faces, r.open_loops); }>(
         {.name = "open_loops", .text = "Connected sets of these"}),
     reported<[](const CloudTraits& r) { return judge_normals(r.orientation).words; }>(
         {.name = "normals", .text = "Normals, in words"}),

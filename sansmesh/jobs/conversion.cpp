@@ -13,14 +13,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Does a step; what is to be said comes back.
+/// Performs a step and returns its remark.
 struct DoStep {
   CloudOrMesh& data;
-  const std::string& unit;  ///< of the input
+  const std::string& unit;  ///< unit of the input
   AboutStep about_now = {};
 
-  std::string about(const AffineMap& map, const std::optional<Vec3>& place, bool center) const {
-    const AboutStep own{place, center}, &used = place || center ? own : about_now;
+  std::string about(const AffineMap& map, const std::optional<Vec3>& point, bool center) const {
+    const AboutStep own{point, center}, &used = point || center ? own : about_now;
     if (used.center) return move_all(data, map.about(data.bounds().center()));
     return move_all(data, used.place ? map.about(*used.place) : map);
   }
@@ -54,7 +54,7 @@ struct DoStep {
   std::string operator()(const CountStep& s) const { return keep_count(data, s.count); }
   std::string operator()(const EveryStep& s) const { return keep_every(data, s.every); }
   std::string operator()(const ChooseStep& s) const { return choose_attributes(data, s.names, s.keep); }
-  std::string operator()(const WeldStep& s) const { return weld_places(data, s.distance); }
+  std::string operator()(const WeldStep& s) const { return weld_points(data, s.distance); }
   std::string operator()(const FlipStep& s) const { return flip_sides(data, s.faces, s.normals); }
 };
 
@@ -73,9 +73,8 @@ ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step, DoStep& how) {
     throw DataError(in_accents(done.step) + (sentence ? ": " : " ") + cause);
   }
   if (data.size() == 0 || (data.is_mesh && data.mesh.triangles.empty()))
-    throw DataError(fmt::format(
-        "{} leaves nothing of {} between ({:.10g}, {:.10g}, {:.10g}) and ({:.10g}, {:.10g}, {:.10g})",
-        in_accents(done.step), before, box.lower.x, box.lower.y, box.lower.z, box.upper.x, box.upper.y, box.upper.z));
+    throw DataError(fmt::format("{} leaves nothing of {} between {} and {}", in_accents(done.step), before,
+                                point_words(box.lower, 10), point_words(box.upper, 10)));
   done.size = data.size();
   if (data.is_mesh) done.triangles = data.mesh.triangles.size();
   return done;
@@ -86,12 +85,11 @@ ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step, DoStep& how) {
 const OptionSchema& ConvertOptions::schema() {
   using O = ConvertOptions;
   static const OptionRow rows[] = {
-      option<&O::vertices_only>({.text = "Of a mesh the vertices alone", .old_name = "points"}),
+      option<&O::vertices_only>({.text = "Only the vertices of a mesh", .old_name = "points"}),
       option<&O::unit>(
-          {.text = "Of the input's lengths, for `to_unit`: um, mm, cm, m, km, in, ft or us-ft", .unit = "unit"}),
+          {.text = "Unit of the input's lengths, for `to_unit`: um, mm, cm, m, km, in, ft or us-ft", .unit = "unit"}),
       option_steps<&O::steps>(convert_step_rows())};
-  static const OptionSchema schema{rows};
-  return schema;
+  return option_schema<rows>();
 }
 
 void ConvertOptions::validate() const {
@@ -113,7 +111,7 @@ void ConvertOptions::validate() const {
 void check_converted(const std::string& file, bool as_points) {
   const bool mesh = is_written(file, "mesh"), points = is_written(file, "points");
   if (!mesh && !points && is_read(file))
-    throw FileError(file, "this format is read, not written; .ply, .vtp, .las and .csv hold whatever it does");
+    throw FileError(file, "this format is read, not written; use .ply, .vtp, .las or .csv");
   check_writable(file, mesh && !(as_points && points) ? "mesh" : "points");
 }
 
@@ -123,7 +121,6 @@ std::vector<Note> fit_to_format(CloudOrMesh& data, const std::string& file) {
     notes.push_back(
         {.code = "no_faces",
          .text = fmt::format("holds points only: {} left out", counted(data.mesh.triangles.size(), "triangle")),
-         .remedy = {},
          .of = file});
     data.make_points();
   }
@@ -171,52 +168,38 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
   if (data.nonmanifold_edges_of_weld > 0)
     result.notes.push_back(
         {.code = "nonmanifold_weld",
-         .text = fmt::format("`weld` has made {} of three triangles or more: the mesh is not manifold there",
-                             counted(data.nonmanifold_edges_of_weld, "edge")),
-         .remedy = {}});
+         .text = fmt::format("`weld` made {} with three or more triangles: the mesh is not manifold there",
+                             counted(data.nonmanifold_edges_of_weld, "edge"))});
   if (!data.unturned.empty())
     result.notes.push_back({.code = "unturned",
-                            .text = fmt::format("attributes of three numbers are not turned: {}",
-                                                printable(fmt::format("{}", fmt::join(data.unturned, ", ")))),
-                            .remedy = {}});
+                            .text = fmt::format("attributes of three numbers are not rotated: {}",
+                                                printable(fmt::format("{}", fmt::join(data.unturned, ", "))))});
   return result;
 }
 
-namespace {
-
-constexpr ReportRow kConvertedByRows[] = {
-    reported<[](const ConvertedBy& r) { return std::string(r.step); }>({.name = "step", .text = "Step"}),
-    reported<[](const ConvertedBy& r) { return told_if(!r.triangles, r.size); }>(
-        {.name = "points", .text = "Points that there are after it"}),
-    reported<[](const ConvertedBy& r) { return told_if(r.triangles.has_value(), r.size); }>(
-        {.name = "vertices", .text = "Vertices that there are after it"}),
-    reported<&ConvertedBy::triangles>({.text = "Triangles that there are after it"}),
-    reported<[](const ConvertedBy& r) { return told_if(!r.remark.empty(), r.remark); }>(
-        {.name = "remark", .text = "What became of the data, in words"})};
-
-}  // namespace
-
 const ReportSchema& ConvertedBy::schema() {
-  static constexpr ReportSchema schema{kConvertedByRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const ConvertedBy& r) { return std::string(r.step); }>({.name = "step", .text = "Step"}),
+      reported<[](const ConvertedBy& r) { return value_if(!r.triangles, r.size); }>(
+          {.name = "points", .text = "Points after it"}),
+      reported<[](const ConvertedBy& r) { return value_if(r.triangles.has_value(), r.size); }>(
+          {.name = "vertices", .text = "Vertices after it"}),
+      reported<&ConvertedBy::triangles>({.text = "Triangles after it"}),
+      reported<[](const ConvertedBy& r) { return value_if(!r.remark.empty(), r.remark); }>(
+          {.name = "remark", .text = "Effect on the data, as text"})};
+  return report_schema<rows>();
 }
 
-namespace {
-
-constexpr ReportRow kConvertReportRows[] = {
-    reported<[](const ConvertReport& r) { return told_if(r.triangles == 0, r.size); }>(
-        {.name = "input.points", .text = "Points that came"}),
-    reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.size); }>(
-        {.name = "input.vertices", .text = "Vertices that came"}),
-    reported<[](const ConvertReport& r) { return told_if(r.triangles > 0, r.triangles); }>(
-        {.name = "input.triangles", .text = "Triangles that came"}),
-    reported<&ConvertReport::steps>({.text = "Steps, one after the other"})};
-
-}  // namespace
-
 const ReportSchema& ConvertReport::schema() {
-  static constexpr ReportSchema schema{kConvertReportRows};
-  return schema;
+  static constexpr ReportRow rows[] = {
+      reported<[](const ConvertReport& r) { return value_if(r.triangles == 0, r.size); }>(
+          {.name = "input.points", .text = "Points of the input"}),
+      reported<[](const ConvertReport& r) { return value_if(r.triangles > 0, r.size); }>(
+          {.name = "input.vertices", .text = "Vertices of the input"}),
+      reported<[](const ConvertReport& r) { return value_if(r.triangles > 0, r.triangles); }>(
+          {.name = "input.triangles", .text = "Triangles of the input"}),
+      reported<&ConvertReport::steps>({.text = "Steps in order"})};
+  return report_schema<rows>();
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Jobs around a cloud: what is chosen and told. How good normals and curvatures are is told by tests/points and
+// Tests of jobs on clouds: choices and reports. The accuracy of normals and curvatures is tested in tests/points and
 // tests/surface.
 #include <gtest/gtest.h>
 
@@ -115,7 +115,7 @@ TEST(ProjectJob, NamesWhoseFaultItIs) {
   };
   EXPECT_EQ(
       error({.points = far, .name = "far.ply", .onto = sphere(1000), .onto_name = "ball.ply"}, {.method = "apss"}),
-      "far.ply: no point lies near enough to the surface of ball.ply");
+      "far.ply: no point is near enough to the surface of ball.ply");
   EXPECT_EQ(
       error({.points = far, .name = "far.ply", .onto = sphere(4), .onto_name = "few.ply"}, {}).rfind("few.ply: ", 0),
       0u);

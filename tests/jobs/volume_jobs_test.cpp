@@ -1,4 +1,4 @@
-// Jobs around a volume: what they choose by themselves, and what they report.
+// Tests of jobs on volumes: automatic choices and reports.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,7 +34,7 @@ TEST(VolumeModel, ChoosesTheMethodThatSuitsTheDataAndSaysWhy) {
   EXPECT_EQ(rough.report().options.method, "cubic");
   EXPECT_EQ(rough.report().why, rough.recommended(progress).why);
   EXPECT_NE(rough.report().why.find("noisy"), std::string::npos);
-  // The same wherever nobody names a method: in the dataset, in the reconstruction itself.
+  // The default method is the same in the dataset and in the reconstruction itself.
   VolumeDataset dataset(lattice_grid({16, 16, 16}, noise));
   ReconstructionReport of_dataset, alone;
   dataset.field({"f", {}, false}, {}, progress, &of_dataset);
@@ -90,7 +90,7 @@ TEST(VolumeModel, BareGridsAreAnErrorUnlessTheyMayBe) {
     FAIL() << "a volume without arrays";
   } catch (const DataError& error) {
     EXPECT_EQ(std::string(error.what()),
-              "made.vti: holds no arrays: there is nothing to reconstruct; its arrays are elsewhere");
+              "made.vti: has no arrays: there is nothing to reconstruct; its arrays are elsewhere");
   }
   Progress progress;
   VolumeModel may_be = model_of(bare, {.bare = true});

@@ -228,7 +228,7 @@ TEST(VolumePicture, IsoSurfaceLooksLikeTheSurfaceItself) {
   VolumePictureOptions with_iso = options;
   with_iso.isos = {{0.4, options.picture.look.surface_color, 1}};
   const Image iso = picture_of({&field, nullptr, nullptr, {}}, with_iso);
-  const Image mesh = picture_of({&nothing, nullptr, nullptr, {surface_in_picture(sphere, options.picture)}}, options);
+  const Image mesh = picture_of({&nothing, nullptr, nullptr, {scene_factory(sphere, options.picture)}}, options);
   double most = 0;
   std::size_t both = 0, one = 0;
   for (std::size_t i = 0; i < iso.pixels.size(); ++i) {
@@ -248,7 +248,7 @@ TEST(VolumePicture, SurfacesHideWhatIsBehindThem) {
   const FormulaVolume field = constant_volume(0.5);
   TriangleMesh wall = box_surface({0.1, 0.1, 0.4}, {0.9, 0.9, 0.5});
   VolumePictureOptions options = one_pixel(fog(0.3, 0.1, {0, 0, 0}));
-  VolumeSubject subject{&field, nullptr, nullptr, {surface_in_picture(wall, options.picture)}};
+  VolumeSubject subject{&field, nullptr, nullptr, {scene_factory(wall, options.picture)}};
   VolumePictureOptions clear = options;
   clear.opacity_factor = 0;
   const Vec3 a{0.5, 0.5, 0}, b{0.5, 0.5, 1};
@@ -274,7 +274,7 @@ TEST(VolumePicture, TranslucentSheetsAreSeenInTheirOrder) {
   clear.opacity_factor = 0;
   const double own = along({&field, nullptr, nullptr, {sheet(0.4f, 1)}}, clear, a, b)[0];
   for (const bool swapped : {false, true}) {
-    const PictureSurface near = sheet(0.4f, 0.5), far = sheet(0.7f, 0.25);
+    const SceneFactory near = sheet(0.4f, 0.5), far = sheet(0.7f, 0.25);
     VolumeSubject subject{&field, nullptr, nullptr, {swapped ? far : near, swapped ? near : far}};
     const auto seen = along(subject, options, a, b);
     EXPECT_NEAR(seen[3], std::pow(0.7, 10) * 0.5 * 0.75, 1e-4);

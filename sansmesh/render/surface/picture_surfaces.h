@@ -21,8 +21,8 @@ namespace sansmesh::inline v1 {
 
 /// A surface without a mesh, whose coordinates lie at `place` in those of the picture. Caster and colours (which may be
 /// null) must outlive the pictures.
-PictureSurface surface_in_picture(const SurfaceCaster& caster, const LocalFrame& frame, const ColorField* colors,
-                                  const SurfaceRenderOptions& options);
+SceneFactory scene_factory(const SurfaceCaster& caster, const LocalFrame& frame, const ColorField* colors,
+                           const SurfaceRenderOptions& options);
 
 /// How a surface with a flow along it looks.
 struct FlowLook {
@@ -49,7 +49,7 @@ class DrawnFlow {
   /// each vertex.
   DrawnFlow(FlowSubject subject, const RenderOptions& options);
   /// Throws ArgumentError for a bad look, and unless for splats there is a front for each vertex.
-  PictureSurface surface(const FlowLook& look) const;
+  SceneFactory surface(const FlowLook& look) const;
 
  private:
   struct State;
@@ -59,7 +59,7 @@ class DrawnFlow {
 /// Surfaces alone, lit as render_mesh() does, shadows included. `points` frame them (at least one finite), in the
 /// coordinates of the surfaces. With `translucent` light comes through those with an opacity below 1: then without
 /// shadows and ground. Throws DataError where there is nothing to frame, ArgumentError for bad options.
-Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const Vec3> points, bool translucent,
+Image render_surfaces(std::span<const SceneFactory> surfaces, std::span<const Vec3> points, bool translucent,
                       const RenderOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

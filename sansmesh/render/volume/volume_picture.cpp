@@ -128,7 +128,7 @@ class VolumePicture::Work {
     const SuggestedTransferFunction chosen = transfer(options);
     std::vector<std::unique_ptr<PictureScene>> scenes;
     TracedVolume volume = traced();
-    for (const PictureSurface& surface : subject_.surfaces) {
+    for (const SceneFactory& surface : subject_.surfaces) {
       scenes.push_back(surface(frame_, camera));
       volume.surfaces.push_back(scenes.back().get());
     }
@@ -155,7 +155,7 @@ class VolumePicture::Work {
     return map;
   }
 
-  void set_surfaces(std::vector<PictureSurface> surfaces) { subject_.surfaces = std::move(surfaces); }
+  void set_surfaces(std::vector<SceneFactory> surfaces) { subject_.surfaces = std::move(surfaces); }
   const Box3& box() const { return box_; }
   const PictureFrame& frame() const { return frame_; }
   /// Looked for when it is first asked for: where colours are given, nobody does.
@@ -352,7 +352,7 @@ VolumePicture::VolumePicture(VolumeSubject subject, Progress& progress) {
 }
 VolumePicture::~VolumePicture() = default;
 
-void VolumePicture::set_surfaces(std::vector<PictureSurface> surfaces) { work_->set_surfaces(std::move(surfaces)); }
+void VolumePicture::set_surfaces(std::vector<SceneFactory> surfaces) { work_->set_surfaces(std::move(surfaces)); }
 const PictureFrame& VolumePicture::frame() const { return work_->frame(); }
 const ValueHistogram& VolumePicture::histogram() const { return work_->histogram(); }
 TransferFunction VolumePicture::transfer(const VolumePictureOptions& options) const {
@@ -420,7 +420,7 @@ constexpr ReportRow kVolumePictureReportRows[] = {
         {.name = "colors.lower", .text = "Value of the first colour", .unit = "unit of the array"}),
     reported<[](const VolumePictureReport& r) { return r.transfer.range().second; }>(
         {.name = "colors.upper", .text = "Value of the last colour", .unit = "unit of the array"}),
-    reported<[](const VolumePictureReport& r) { return told_if(!r.why.empty(), r.why); }>(
+    reported<[](const VolumePictureReport& r) { return value_if(!r.why.empty(), r.why); }>(
         {.name = "why", .text = "Reason for these colours, if they were chosen"}),
     reported<&VolumePictureReport::rays>({.text = "Rays"}),
     reported<&VolumePictureReport::evaluations>({.text = "Evaluations for these"}),

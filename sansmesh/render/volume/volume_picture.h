@@ -28,7 +28,7 @@ struct VolumeSubject {
   /// exact only where the volume is that box: of all others, lattices included whose directions are not the axes, the
   /// sides become ragged without a boundary (volume_boundary() has it).
   const TriangleMesh* boundary = nullptr;
-  std::vector<PictureSurface> surfaces;  ///< in the same picture
+  std::vector<SceneFactory> surfaces;  ///< in the same picture
   /// Known to be in the volume or on its boundary, such as its samples: where a volume fills so little of its box that
   /// hardly a point of a lattice hits it, values are looked for there. Without, the vertices of the boundary are taken.
   std::span<const Vec3> places = {};
@@ -52,7 +52,7 @@ class VolumePicture {
   VolumePicture& operator=(const VolumePicture&) = delete;
 
   /// From now on these stand in the picture.
-  void set_surfaces(std::vector<PictureSurface> surfaces);
+  void set_surfaces(std::vector<SceneFactory> surfaces);
 
   /// In perspective, framed by the boundary. Does not depend on the number of threads. `report` may be null;
   /// `check_steps` fills in the errors of the steps, which takes about a fiftieth of the time. Throws ArgumentError for

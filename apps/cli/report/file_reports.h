@@ -1,4 +1,4 @@
-// Reports on files that commands read and write.
+// Reports of files that commands read and write.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace sansmesh::cli {
 
-/// One file, or several that are read as one.
+/// One file, or several read as one.
 struct ReadFiles {
   std::vector<std::string> files;
 
@@ -33,7 +33,7 @@ struct ReadMesh {
 };
 
 /// A file of any kind, read or written.
-struct ToldFile {
+struct FileReport {
   std::string file;
 
   static const ReportSchema& schema();
@@ -55,7 +55,7 @@ struct WrittenMesh {
   static const ReportSchema& schema();
 };
 
-/// One picture, or the frames of a motion.
+/// One picture, or frames.
 struct WrittenPictures {
   std::vector<std::string> files;
   int width = 0, height = 0;

@@ -1,4 +1,4 @@
-#include "sansmesh/jobs/place_pictures.h"
+#include "sansmesh/jobs/region_pictures.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,23 +16,24 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Radius of what is seen over that of the place; at most this share of the diagonal.
+/// View radius in radii of the region; at most this share of the diagonal.
 constexpr double kSeen = 4, kMostSeen = 0.6;
-/// Half the box of what is drawn over that radius.
+/// Half size of the drawn box in view radii.
 constexpr double kDrawn = 2.5;
-/// So many vertices at a place are asked whether they are seen.
+/// Most vertices of a region whose visibility is tested.
 constexpr std::size_t kAsked = 200;
-/// What it is worth to look along the normal, beside the share of the place that is seen from a direction.
+/// Preference for the normal direction, relative to the visible share of the region.
 constexpr double kAlong = 0.3;
-/// A place of which less than this is seen from anywhere is cut open: what is so many of its radii in front of it goes.
+/// A region with a smaller visible share is cut open: everything more than this many of its radii in front of it is
+/// removed.
 constexpr double kHidden = 0.2, kInFront = 1.1;
-/// How light the strip behind text is, 0..1.
+/// Lightness of the strip behind text, 0..1.
 constexpr float kStrip = 0.75f;
-/// Space between the pictures of a sheet, pixels.
+/// Space between the pictures of a sheet in pixels.
 constexpr int kGap = 6;
 constexpr int kRingParts = 96;
 
-/// Around a normal, nearer and farther, and all other ways; the normal first.
+/// Directions around a normal at several angles; the normal first.
 std::vector<Vec3> directions_around(const Vec3& normal) {
   const Vec3 other = std::abs(normal.x) < 0.6 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 u = normalized(cross(normal, other)), v = cross(normal, u);
@@ -46,7 +47,7 @@ std::vector<Vec3> directions_around(const Vec3& normal) {
   return all;
 }
 
-/// A ring that shows on light and dark.
+/// Draws a ring visible on light and dark backgrounds.
 void draw_ring(Image& image, double radius) {
   const double x = 0.5 * image.width, y = 0.5 * image.height;
   const double width = std::max(1.5, 0.006 * std::min(image.width, image.height));
@@ -59,7 +60,7 @@ void draw_ring(Image& image, double radius) {
     }
 }
 
-/// In the upper left corner, on a strip that is light whatever is behind.
+/// Draws text in the upper left corner, on a light strip.
 void draw_text(Image& image, const std::string& text) {
   const double letters = std::max(9.0, 0.032 * std::min(image.width, image.height)), line = 1.9 * letters;
   const auto lines = 1 + std::count(text.begin(), text.end(), '\n');
@@ -82,29 +83,29 @@ void draw_text(Image& image, const std::string& text) {
 
 }  // namespace
 
-PlacePictures::PlacePictures(const Diagnosis& diagnosis)
+RegionPictures::RegionPictures(const Diagnosis& diagnosis)
     : diagnosis_(diagnosis),
       bounds_(bounds(diagnosis.mesh)),
       rays_(RayScene::triangles(diagnosis.mesh.vertices, diagnosis.mesh.triangles)) {}
 
-PlacePictures::View PlacePictures::best_view(const SuspiciousPlace& place, double reach) const {
+RegionPictures::View RegionPictures::best_view(const SuspiciousPlace& region, double reach) const {
   const TriangleMesh& mesh = diagnosis_.mesh;
   const Vec3 middle = mesh.origin + Vec3(bounds_.center());
-  Vec3 normal = place.normal;
-  if (!(norm(normal) > 0)) normal = place.position - middle;
+  Vec3 normal = region.normal;
+  if (!(norm(normal) > 0)) normal = region.position - middle;
   if (!(norm(normal) > 0)) normal = {0, 0, 1};
   normal = normalized(normal);
-  // What is suspicious, or else all that is there.
-  const Vec3f at(place.position - mesh.origin);
-  const auto radius = static_cast<float>(place.radius);
+  // The doubtful vertices, or all vertices of the region if there are none.
+  const Vec3f at(region.position - mesh.origin);
+  const auto radius = static_cast<float>(region.radius);
   std::vector<Vec3f> here, marked;
   for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
     if (!(squared_norm(mesh.vertices[v] - at) <= radius * radius)) continue;
     here.push_back(mesh.vertices[v]);
-    if (mesh.colors[v] == suspicion_color(place.kind)) marked.push_back(mesh.vertices[v]);
+    if (mesh.colors[v] == suspicion_color(region.kind)) marked.push_back(mesh.vertices[v]);
   }
   if (!marked.empty()) here = std::move(marked);
-  if (here.empty()) here.push_back(at);  // where a fit has no surface of its own
+  if (here.empty()) here.push_back(at);  // the surface of a fit may be elsewhere
   const std::size_t stride = 1 + here.size() / kAsked;
   View best{normal, 0};
   double most = -1;
@@ -120,17 +121,17 @@ PlacePictures::View PlacePictures::best_view(const SuspiciousPlace& place, doubl
   return best;
 }
 
-Image PlacePictures::of(const SuspiciousPlace& place, const std::string& text, RenderOptions options,
-                        Progress& progress) const {
+Image RegionPictures::of(const SuspiciousPlace& region, const std::string& text, RenderOptions options,
+                         Progress& progress) const {
   const TriangleMesh& mesh = diagnosis_.mesh;
   const double seen =
-      std::min(kSeen * place.radius, std::max(place.radius, kMostSeen * static_cast<double>(bounds_.diagonal())));
-  const Vec3f at(place.position - mesh.origin);
+      std::min(kSeen * region.radius, std::max(region.radius, kMostSeen * static_cast<double>(bounds_.diagonal())));
+  const Vec3f at(region.position - mesh.origin);
   const Box3f drawn = widened(Box3f{at, at}, static_cast<float>(kDrawn * seen));
-  const View view = best_view(place, seen);
+  const View view = best_view(region, seen);
   const bool cut = view.seen < kHidden;
   const Vec3f toward(view.direction);
-  const auto front = static_cast<float>(kInFront * place.radius);
+  const auto front = static_cast<float>(kInFront * region.radius);
   std::vector<std::uint8_t> keep(mesh.triangles.size());
   for (std::size_t i = 0; i < keep.size(); ++i) {
     Box3f box;
@@ -146,12 +147,12 @@ Image PlacePictures::of(const SuspiciousPlace& place, const std::string& text, R
   options.look.ground = false;
   options.view.direction = view_from(view.direction, options.view.up);
   options.view.orthographic = true;
-  options.view.look_at = place.position;
+  options.view.look_at = region.position;
   options.view.look_radius = seen;
   options.view.zoom = 1;
   options.view.clip_box.reset();
   Image image = render_mesh(part, options, progress);
-  draw_ring(image, 0.5 * (1 - kPictureMargin) * std::min(image.width, image.height) * place.radius / seen);
+  draw_ring(image, 0.5 * (1 - kPictureMargin) * std::min(image.width, image.height) * region.radius / seen);
   draw_text(image, cut ? text + " (hidden: cut open)" : text);
   return image;
 }

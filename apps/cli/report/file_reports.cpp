@@ -1,5 +1,5 @@
-#include "cli/report/told_files.h"
-
+<#include "cli/report/file_reports.h"
+=
 #include <fmt/core.h>
 
 #include <optional>
@@ -14,25 +14,25 @@ std::optional<std::string> single(const std::vector<std::string>& files) {
 
 constexpr ReportRow kReadFiles[] = {
     reported<[](const ReadFiles& r) { return single(r.files); }>({.name = "file", .text = "File, if there is one"}),
-    reported<[](const ReadFiles& r) { return told_if(r.files.size() != 1, r.files); }>(
+    reported<[](const ReadFiles& r) { return value_if(r.files.size() != 1, r.files); }>(
         {.name = "files", .text = "Files, if there are several"})};
 constexpr ReportRow kReadCloud[] = {reported_base<ReadFiles, ReadCloud>(),
                                     reported<&ReadCloud::format>({.text = "Format of the file"}),
-                                    reported<&ReadCloud::points>({.text = "Points or vertices that were read"})};
+                                    reported<&ReadCloud::points>({.text = "Points or vertices of the input"})};
 constexpr ReportRow kReadMesh[] = {reported<&ReadMesh::file>({.text = "File"}),
                                    reported<&ReadMesh::triangles>({.text = "Triangles of the mesh"})};
-constexpr ReportRow kToldFile[] = {reported<&ToldFile::file>({.text = "File"})};
+constexpr ReportRow kFileReport[] = {reported<&FileReport::file>({.text = "File"})};
 constexpr ReportRow kWrittenPoints[] = {reported<&WrittenPoints::file>({.text = "File"}),
-                                        reported<&WrittenPoints::points>({.text = "Points that were written"})};
+                                        reported<&WrittenPoints::points>({.text = "Points in the file"})};
 constexpr ReportRow kWrittenMesh[] = {reported<&WrittenMesh::file>({.text = "File"}),
                                       reported<&WrittenMesh::vertices>({.text = "Vertices of the mesh"}),
                                       reported<&WrittenMesh::triangles>({.text = "Triangles of the mesh"}),
                                       reported<[](const WrittenMesh& r) { return r.topology.closed(); }>(
                                           {.name = "closed", .text = "Whether the mesh is closed"}),
                                       reported<[](const WrittenMesh& r) { return r.topology.components; }>(
-                                          {.name = "components", .text = "Connected parts of the mesh"}),
+                                          {.name = "components", .text = "Connected components of the mesh"}),
                                       reported<[](const WrittenMesh& r) { return r.topology.boundary_edges; }>(
-                                          {.name = "boundary_edges", .text = "Edges of one triangle"})};
+                                          {.name = "boundary_edges", .text = "Edges with one triangle"})};
 constexpr ReportRow kWrittenPictures[] = {
     reported<&WrittenPictures::files>({.text = "Pictures"}),
     reported<[](const WrittenPictures& r) { return single(r.files); }>(
@@ -48,7 +48,7 @@ constexpr ReportSchema kSchema{rows};
 const ReportSchema& ReadFiles::schema() { return kSchema<kReadFiles>; }
 const ReportSchema& ReadCloud::schema() { return kSchema<kReadCloud>; }
 const ReportSchema& ReadMesh::schema() { return kSchema<kReadMesh>; }
-const ReportSchema& ToldFile::schema() { return kSchema<kToldFile>; }
+const ReportSchema& FileReport::schema() { return kSchema<kFileReport>; }
 const ReportSchema& WrittenPoints::schema() { return kSchema<kWrittenPoints>; }
 const ReportSchema& WrittenMesh::schema() { return kSchema<kWrittenMesh>; }
 const ReportSchema& WrittenPictures::schema() { return kSchema<kWrittenPictures>; }
