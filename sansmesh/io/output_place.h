@@ -1,4 +1,4 @@
-// Where an output goes.
+// Destination of an output file.
 #pragma once
 
 #include <sys/types.h>
@@ -9,18 +9,18 @@
 namespace sansmesh::inline v1::io {
 
 struct OutputPlace {
-  std::filesystem::path path;  ///< behind the symbolic links that the name stands for, also where nothing is there yet
+  std::filesystem::path path;  ///< symbolic links resolved, also if the file does not exist yet
   bool exists = false;
-  bool stream = false;  ///< a pipe or device, or what this process has open already: cannot be replaced
+  bool stream = false;  ///< a pipe, a device, or a file that this process has open: cannot be replaced
   bool pipe = false;
-  int descriptor = -1;  ///< that the name stands for (/dev/stdout, /dev/fd/3)
-  mode_t mode = 0;      ///< of what is there: permissions
+  int descriptor = -1;  ///< that the name denotes (/dev/stdout, /dev/fd/3)
+  mode_t mode = 0;      ///< permissions of the existing file
 };
 
-/// Throws FileError where nothing can be written under that name.
+/// Throws FileError if nothing can be written under that name.
 OutputPlace find_output_place(const std::string& file);
 
-/// Throws FileError for what the system said (errno).
+/// Throws FileError for a system error (errno).
 [[noreturn]] void fail_output(const std::string& file, int error);
 
 }  // namespace sansmesh::inline v1::io

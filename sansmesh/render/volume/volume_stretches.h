@@ -1,4 +1,4 @@
-// Where rays run inside a volume: from each entry through its boundary to the exit, convex or not.
+// Parts of rays inside a volume, convex or not.
 #pragma once
 
 #include <cstdint>
@@ -23,19 +23,18 @@ struct RayStretch {
 };
 
 struct VolumeRay {
-  Vec3 origin, direction;  ///< direction: unit vector
+  Vec3 origin, direction;  ///< unit direction
 };
 
-/// The boundary of a volume, cut open. Built once, then asked from any thread.
+/// The boundary of a volume with cuts. Built once; queries are thread-safe.
 class VolumeStretches {
  public:
-  /// The field must outlive it. Without a boundary the box of the field takes its place.
+  /// The field must outlive it. Without a boundary the field's box is used.
   VolumeStretches(const VolumeField& field, const TriangleMesh* boundary, const PictureFrame& frame);
 
-  /// Replaces `stretches` by those of all rays; those of ray i are first[i] up to first[i + 1]. Crossings in and out
-  /// count; where they do not make sense (a ray along a face, through an edge that two triangles claim or none), the
-  /// field is asked for the middle of each piece between two crossings whether it is inside. What cuts take away is
-  /// left out.
+  /// Replaces `stretches` by those of all rays; ray i has first[i] to first[i + 1]. They follow from the crossings of
+  /// the boundary. If crossings are inconsistent (a ray along a face, or through an edge that two triangles or none
+  /// count), the field's `inside` at the middle between two crossings decides. Parts inside cuts are removed.
   void find(std::span<const VolumeRay> rays, std::span<const VolumeCut> cuts, std::vector<RayStretch>& stretches,
             std::vector<std::uint32_t>& first) const;
 
