@@ -1,5 +1,4 @@
-// The library's formats that have a FormatId, in its order. A format without one has a source of its own,
-// NAME_formats.cpp.
+// The library's formats with a FormatId, in its order. Formats without one have a separate source, NAME_formats.cpp.
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/output.h"
 #include "sansmesh/io/readers.h"
@@ -8,7 +7,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr unsigned kCloudOrMesh = kPoints | kMesh;
-/// Points with attributes are scattered samples of a volume as well.
+/// Points with attributes are also scattered samples of a volume.
 constexpr unsigned kSamples = kCloudOrMesh | kVolume;
 constexpr std::string_view kConvertMesh = "reading this format is not supported; convert it to PLY or OBJ first";
 constexpr std::string_view kUnpackOrConvert =

@@ -44,7 +44,7 @@ double NumberText::real(const char* of) {
   double value = 0;
   TextScanner ahead = scanner_;
   if (!scanner_.number(value)) fail_number(of);
-  // "1.5.5" is none: what follows would be read as the next number.
+  // Rejects "1.5.5": the rest would be read as the next number.
   if (!scanner_.at_end() && !TextScanner::is_blank(*scanner_.position()) && *scanner_.position() != '\n' &&
       *scanner_.position() != '#')
     fail(fmt::format("'{}' is no number, among its {}", printable(ahead.word(), 30), of));
@@ -55,7 +55,7 @@ std::int64_t NumberText::whole(const char* of) {
   skip();
   std::int64_t value = 0;
   if (!scanner_.number(value)) fail_number(of);
-  // "1.0" is none: what follows would be read as the next number.
+  // Rejects "1.0": the rest would be read as the next number.
   if (!scanner_.at_end() && (*scanner_.position() == '.' || *scanner_.position() == 'e'))
     fail(fmt::format("a whole number is wanted among its {}", of));
   return value;
@@ -73,7 +73,7 @@ std::size_t NumberText::count(const char* of, std::size_t bytes) {
 
 void NumberText::fail(const std::string& cause) const {
   const std::size_t at = in_.bytes.size() - scanner_.rest().size();
-  // The text may be another one than that of the file (a part of it): only where it is the same there are lines.
+  // The text may be a copy of a part of the file: line numbers are known only if it is the file's own text.
   const char* const first = in_.bytes.data();
   if (scanner_.rest().data() + scanner_.rest().size() != first + in_.bytes.size()) in_.fail(cause);
   in_.fail(fmt::format("line {}: {}", 1 + std::count(first, first + at, '\n'), cause));

@@ -15,9 +15,9 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-constexpr int kMostLinks = 40;  // as the system has it
+constexpr int kMostLinks = 40;  // limit of the system
 
-/// The descriptor that a name in /proc/self/fd stands for; -1: it is none.
+/// The descriptor that a name in /proc/self/fd represents; -1 if it is none.
 int descriptor_of(const std::filesystem::path& path) {
   std::error_code failed;
   const auto folder = std::filesystem::canonical(path.parent_path(), failed);
@@ -28,7 +28,7 @@ int descriptor_of(const std::filesystem::path& path) {
   return error == std::errc() && end == name.data() + name.size() ? number : -1;
 }
 
-/// Goes through the symbolic links one by one, so that the last one may name what is not there yet.
+/// Follows symbolic links one by one, because the last one may name a file that does not exist yet.
 void follow_links(const std::string& file, OutputPlace& place) {
   for (int hop = 0; hop < kMostLinks; ++hop) {
     struct stat info {};
@@ -47,7 +47,7 @@ void follow_links(const std::string& file, OutputPlace& place) {
   fail_output(file, ELOOP);
 }
 
-/// Why the system does not write.
+/// Reason of a write error.
 std::string reason_of(int error) {
   switch (error) {
     case EACCES:

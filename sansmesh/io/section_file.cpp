@@ -19,7 +19,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Not text (0x89), and damaged by whatever changes the ends of lines.
+/// Not text (0x89), and damaged by any conversion of line ends.
 std::array<char, 8> magic_of(const SectionFormat& format) {
   const std::string_view s = format.letters;
   return {'\x89', s[0], s[1], s[2], '\r', '\n', '\x1a', '\n'};
@@ -33,7 +33,7 @@ struct Header {
   std::uint64_t file_size;
   std::uint32_t sections;
   std::uint32_t unused[7];
-  std::uint64_t checksum;  ///< of all bytes before it and of the table behind it
+  std::uint64_t checksum;  ///< of all bytes before it and of the table after it
 };
 static_assert(sizeof(Header) == 64);
 static_assert(std::endian::native == std::endian::little, "files hold little-endian arrays, as they lie in memory");

@@ -1,4 +1,4 @@
-// Chooses the writer for a file by its ending.
+// Chooses the writer of a file by its ending.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -15,7 +15,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// What a format of that room leaves out.
+/// Data that a format with that room cannot hold.
 std::vector<std::string> without_room(FormatRoom room, const io::OutputContent& content) {
   std::vector<std::string> names;
   if (room == FormatRoom::all) return names;
@@ -30,14 +30,14 @@ std::vector<std::string> without_room(FormatRoom room, const io::OutputContent& 
   return names;
 }
 
-/// Throws ArgumentError's sibling for files: the ending is not one of those known.
+/// Throws FileError: the ending is not a known one.
 [[noreturn]] void fail_ending(const std::string& file, const std::string& kind, const std::string& known) {
   const std::string e = io::ending(file);
   throw FileError(file, e.empty() ? fmt::format("has no ending that names a format for {}; known: {}", kind, known)
                                   : fmt::format("no writer for {} with the ending '.{}'; known: {}", kind, e, known));
 }
 
-/// The format with a writer of that kind for such a name. Throws FileError.
+/// The format with a writer of that kind for a file name. Throws FileError.
 const FormatInfo& find_writer(FormatContent content, const std::string& file, const std::string& kind) {
   const std::string e = io::ending(file);
   for (const FormatInfo* const f : formats())
@@ -53,7 +53,7 @@ void check_length(const char* what, std::size_t length, std::size_t n) {
   }
 }
 
-/// Throws FileError for coordinates beyond those that readers accept.
+/// Throws FileError for coordinates beyond the limit of readers.
 void check_reach(const std::string& file, std::span<const Vec3f> positions, const Vec3& origin) {
   const double far = parallel_reduce(
       positions.size(), 1 << 16, 0.0,

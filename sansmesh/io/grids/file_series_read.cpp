@@ -1,4 +1,4 @@
-// ParaView's series of files: JSON that names a file for each time.
+// ParaView's file series: JSON that names a file for each time.
 #include <cmath>
 #include <nlohmann/json.hpp>
 

@@ -76,7 +76,7 @@ std::vector<std::string> files_of_pattern(const Input& in, const std::string& pa
     const std::string number =
         digits.starts_with('0') ? fmt::format("{:0{}d}", n, width) : fmt::format("{:{}d}", n, width);
     files.push_back(beside(in, std::string(name.substr(0, percent)) + number + std::string(name.substr(d + 1))));
-    // Not the names of a hundred thousand files of which there is none.
+    // Checks the first file, so that a wrong pattern does not expand to a hundred thousand names.
     std::error_code ignored;
     if (files.size() == 1 && !std::filesystem::exists(files[0], ignored)) throw FileError(files[0], "no such file");
   }

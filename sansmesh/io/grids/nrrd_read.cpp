@@ -1,5 +1,5 @@
 // NRRD (teem.sourceforge.net/nrrd/format.html): lines "field: value" up to an empty one, then the numbers, or the names
-// of the files that hold them.
+// of their files.
 #include <fmt/core.h>
 
 #include "sansmesh/core/number_words.h"
@@ -77,7 +77,7 @@ struct NrrdHeader {
 NrrdHeader read_nrrd_header(const Input& in) {
   NrrdHeader header{HeaderFields(in), {}, {}};
   TextScanner text(in.bytes);
-  text.line();  // the magic
+  text.line();  // the magic number
   bool list = false, ended = false;
   while (!text.at_end()) {
     const std::string_view line = text.line();
@@ -93,7 +93,7 @@ NrrdHeader read_nrrd_header(const Input& in) {
     const std::size_t colon = line.find(':');
     if (colon == std::string_view::npos)
       in.fail(fmt::format("its header has a line that is not 'field: value': {}", line.substr(0, 40)));
-    if (line.substr(colon).starts_with(":=")) continue;  // keys and values of the user's
+    if (line.substr(colon).starts_with(":=")) continue;  // user-defined keys and values
     const std::string name = lower(nrrd_trimmed(line.substr(0, colon)));
     const std::string_view value = nrrd_trimmed(line.substr(colon + 1));
     if (name == "data file" || name == "datafile") {
@@ -113,7 +113,7 @@ NrrdHeader read_nrrd_header(const Input& in) {
   return header;
 }
 
-/// What the axes of the file mean.
+/// Meaning of the file's axes.
 struct NrrdAxes {
   std::vector<std::size_t> sizes;
   std::vector<std::size_t> space;  ///< at most three axes of the file
@@ -151,8 +151,8 @@ NrrdAxes nrrd_axes(const Input& in, const HeaderFields& fields, const std::vecto
     else
       others.push_back(k);
   }
-  // Without a word about it, the first of more than three axes holds components where it is short, else the last one is
-  // time.
+  // If the header does not describe more than three axes, the first one is components if it is short, else the last one
+  // is time.
   while (axes.space.size() > 3) {
     const bool first = axes.sizes[axes.space.front()] <= 9 && others.empty();
     others.push_back(first ? axes.space.front() : axes.space.back());
@@ -296,7 +296,7 @@ GridData read_nrrd(const Input& in, std::size_t step) {
   std::optional<DataFiles> files;
   std::string_view bytes = header.body;
   if (!header.files.empty()) {
-    // Lines are skipped before bytes; of several files only whole ones are put together.
+    // Lines are skipped before bytes; several files are joined only as a whole.
     const bool several = header.files.size() > 1;
     if (several && (lines > 0 || encoding != "raw"))
       in.fail("several data files are supported only if they are raw and without lines to skip");
@@ -327,7 +327,7 @@ GridData read_nrrd(const Input& in, std::size_t step) {
     skip_bytes();
     values = parse_values(data, bytes, count, *type);
   } else {
-    if (gzip && bytes.starts_with("\x1f\x8b")) {  // a data file of its own has been unpacked on opening
+    if (gzip && bytes.starts_with("\x1f\x8b")) {  // detached data files are decompressed when opened
       const std::uint64_t needed = count * size_of(*type);
       unpacked = unpack_values({data_name, bytes, in.report}, needed, needed + (std::uint64_t{1} << 20));
       bytes = {unpacked.data(), unpacked.size()};
@@ -350,7 +350,7 @@ GridData read_nrrd(const Input& in, std::size_t step) {
     values = decode_values(bytes.data(), count, *type, endian && lower(*endian) == "big");
   }
 
-  // Bring the components first and take the step of time: axes behind an axis are blocks of it.
+  // Moves the components first and selects the time step: axes after an axis are blocks of it.
   const auto stride = [&](std::size_t axis) {
     std::size_t s = 1;
     for (std::size_t k = 0; k < axis; ++k) s *= axes.sizes[k];
@@ -372,7 +372,7 @@ GridData read_nrrd(const Input& in, std::size_t step) {
   }
   const std::size_t components = axes.components ? axes.sizes[*axes.components] : 1;
   if (axes.components && stride(*axes.components) > 1) {
-    // Before the axis of components come `inner` points, behind it whole blocks of both.
+    // `inner` points precede the axis of components; whole blocks of both follow it.
     std::size_t inner = stride(*axes.components);
     if (axes.time && *axes.time < *axes.components) inner /= steps;
     const std::size_t blocks = count / steps / (inner * components);

@@ -1,4 +1,4 @@
-// Chooses the reader for a volume: by the first bytes of its file where they say what it is, else by its ending.
+// Chooses the reader of a volume: by the first bytes of its file if these are unique, else by its ending.
 #include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/io/grids/fill_values.h"
 
@@ -35,15 +35,15 @@ std::string known_volume_endings() {
   return known + ", and those of points";
 }
 
-/// Files of points are scattered samples: all of their readers are one here.
+/// Files of points are scattered samples: all of their readers count as one here.
 std::optional<FormatId> volume_format_of_name(const std::string& file) {
   const FormatInfo* const found = format_of_name(file, kVolume);
   if (!found) return std::nullopt;
   return found == format_of_name(file, kPoints) ? FormatId::table : found->id;
 }
 
-/// The type that the root of an XML file of VTK's names; empty where it is none. Throws FileError for levels in
-/// versions of the format that VTK no longer reads, and may crash on.
+/// The type in the root element of a VTK XML file; empty if there is none. Throws FileError for AMR levels in versions
+/// of the format that VTK no longer reads, and may crash on.
 std::string vtk_xml_type(const Input& in) {
   if (in.bytes.substr(0, 4096).find("<VTKFile") == std::string_view::npos) return {};
   ReadReport ignored;
@@ -66,7 +66,7 @@ std::optional<FormatId> format_of_volume(const Input& in, const std::string& xml
   if (!xml_type.empty()) return FormatId::vtk_xml;
   const FormatInfo* const found = format_of_content(in.bytes);
   switch (const FormatId by_content = found ? found->id : FormatId::archive; by_content) {
-    case FormatId::exodus:  // HDF5 and NetCDF hold others, too
+    case FormatId::exodus:  // HDF5 and NetCDF also hold other data
       return by_name == FormatId::cgns ? *by_name : by_content;
     case FormatId::vtk_legacy:
     case FormatId::nrrd:
@@ -123,7 +123,7 @@ GridData read_any_volume(const std::string& file, const VolumeReadOptions& optio
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored))
     return io::read_by_vtk({file, io::VtkFormat::dicom, {}, options.time_step});
-  // Programs open an empty file of this kind only to name the folder that it is in.
+  // OpenFOAM users open an empty file of this kind only to name its folder.
   if (volume_format_of_name(file) == FormatId::openfoam && std::filesystem::exists(file, ignored))
     return io::read_by_vtk({file, io::VtkFormat::openfoam, {}, options.time_step});
   const io::FileContent content(file);
@@ -239,7 +239,7 @@ GridData read_collection(const Input& in, const VolumeReadOptions& options, Read
   return all;
 }
 
-/// Of all blocks together: what stands apart in one may not in another.
+/// Uses all blocks together: a value that is separate in one block may not be in another.
 GridData with_fill_values(GridData data, const FillValueOptions& fill) {
   const std::vector<std::string> lines = mark_fill_values(data, fill);
   data.notes.insert(data.notes.end(), lines.begin(), lines.end());
@@ -253,7 +253,7 @@ void check_points(const std::string& file, const GridData& data) {
   throw FileError(file, "holds no points");
 }
 
-/// Of a file that could be a table of points as well: those begin with a whole number only by chance.
+/// For files that could also be tables of points, which begin with an integer only by chance.
 bool holds_plot3d(const std::string& file) {
   try {
     const io::FileContent content(file);
@@ -267,11 +267,11 @@ bool holds_plot3d(const std::string& file) {
     ReadReport ignored;
     return io::is_plot3d({file, bytes, ignored});
   } catch (const FileError&) {
-    return false;  // its reader says why
+    return false;  // its reader reports the reason
   }
 }
 
-/// The volume as the file has it, fill values and all.
+/// The volume as in the file, including fill values.
 GridData read_whole(const std::string& file, const VolumeReadOptions& options, ReadReport& r) {
   r = {};
   GridData data = read_any_volume(file, options, r, false);
@@ -300,7 +300,7 @@ GridData read_volumes(const std::vector<std::string>& files, const VolumeReadOpt
   std::size_t parts = 0;
   for (std::size_t k = 0; k < files.size(); ++k) {
     VolumeReadOptions of_file = options;
-    // A grid and its solution, one after the other.
+    // A grid followed by its solution.
     if (of_file.solution.empty() && k + 1 < files.size()) {
       std::error_code ignored;
       const std::string solution = io::plot3d_solution_of(files[k]);

@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Numbers, or "none" for no usual ones.
+/// Numbers, or "none" to disable the usual ones.
 struct FillWords {
   static constexpr auto kind = OptionKind::texts;
   static OptionValue get(const FillValueOptions& fill) {

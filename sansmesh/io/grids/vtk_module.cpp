@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kModuleFile = "libsansmesh_vtk.so";
 
-/// Folders in which the module may lie, seen from the program and from the library, if that is a file of its own.
+/// Folders that may contain the module, relative to the program and to the shared library, if there is one.
 std::vector<std::filesystem::path> module_places() {
   std::error_code failed;
   std::vector<std::filesystem::path> from, places;

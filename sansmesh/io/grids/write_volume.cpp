@@ -27,7 +27,7 @@ constexpr const char* kKnown = ".vti .mhd .mha .nrrd";
 struct LatticeSteps {
   std::array<std::size_t, 3> size{};
   Vec3 first;                    ///< position of the first point
-  std::array<double, 3> step{};  ///< 1 where there is one point
+  std::array<double, 3> step{};  ///< 1 along axes with one point
 };
 
 LatticeSteps steps_of(const GridBlock& block) {
@@ -59,7 +59,7 @@ std::string bytes_of(const Attribute& a) {
       a.values);
 }
 
-/// The columns of the directions, one after the other.
+/// The columns of the direction matrix in sequence.
 std::string directions_of(const GridBlock& block, bool rows) {
   std::string text;
   for (std::size_t r = 0; r < 3; ++r)
@@ -135,10 +135,10 @@ std::vector<std::string> to_nrrd(const GridBlock& block, const LatticeSteps& s) 
 
 namespace {
 
-/// The file of the numbers beside a .mhd.
+/// The data file beside a .mhd.
 std::filesystem::path raw_of(const std::string& file) { return std::filesystem::path(file).replace_extension(".raw"); }
 
-/// Numbers that belong to something else than the header that is replaced are nobody's to overwrite.
+/// Refuses to overwrite data that do not belong to the replaced header.
 void check_raw(const std::string& file) {
   const std::filesystem::path raw = raw_of(file);
   std::error_code ignored;

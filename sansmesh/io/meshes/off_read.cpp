@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// Lines with something on them, comments removed.
+/// Non-empty lines without comments.
 class OffLines {
  public:
   OffLines(const Input& in) : in_(in), text_(in.bytes) {}
@@ -50,7 +50,7 @@ PointSet read_off(const Input& in) {
   in.report.format = std::string(magic);
   magic.remove_suffix(3);
   bool has_colors = false, has_normals = false;
-  if (magic.starts_with("ST")) magic.remove_prefix(2), in.unread("texture coordinates");  // they come last
+  if (magic.starts_with("ST")) magic.remove_prefix(2), in.unread("texture coordinates");  // they are the last columns
   if (magic.starts_with("C")) magic.remove_prefix(1), has_colors = true;
   if (magic.starts_with("N")) magic.remove_prefix(1), has_normals = true;
   if (!magic.empty()) in.fail(fmt::format("unsupported kind of OFF file ('{}')", in.report.format));
@@ -60,7 +60,9 @@ PointSet read_off(const Input& in) {
   std::uint64_t vertices = 0, faces = 0;
   if (!words.number(vertices) || !words.number(faces))
     in.fail("malformed OFF header: no numbers of vertices and faces");
-  // A vertex takes at least "0 0 0\n" and a face "0\n".
+  // A vertex takes at least "0 0 0
+  // " and a face "0
+  // ".
   const std::size_t room = lines.bytes_left() + 1;
   if (vertices > room / 6 || faces > room / 2) {
     in.fail(fmt::format("truncated: announces {} vertices and {} faces, far more than its {} bytes hold",

@@ -60,7 +60,7 @@ std::string from_xml(std::string_view value) {
       unsigned code = 0;
       if (known != std::end(entities)) code = static_cast<unsigned char>(known->second);
       if (name.size() > 1 && name[0] == '#') TextScanner(name.substr(1)).number(code);
-      if (code > 0 && code < 128) {  // beyond ASCII files hold UTF-8
+      if (code > 0 && code < 128) {  // non-ASCII characters are UTF-8 in files
         text += static_cast<char>(code);
         value.remove_prefix(stop + 1);
         continue;

@@ -1,5 +1,5 @@
-// LAS output: version 1.2 where its point formats hold everything, else 1.4; what has no place of its own in a record
-// becomes "extra bytes", which the header describes.
+// LAS output: version 1.2 if its point formats hold everything, else 1.4. Attributes without a field in a record become
+// "extra bytes", which the header describes.
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-/// The attributes that have a place of their own in a record; null where there are none, or where they do not fit.
+/// Attributes with a field in the record; null if they are missing or do not fit.
 struct LasFields {
   const Attribute *intensity, *return_number, *returns, *classification, *synthetic, *overlap, *scan_angle, *source,
       *user_data, *time, *infrared;
@@ -22,7 +22,7 @@ struct LasFields {
   }
 };
 
-/// The attribute of that name if it is whole numbers of 0..most.
+/// The attribute of that name if it consists of integers in 0..most.
 const Attribute* whole_attribute(const AttributeTable& table, const char* name, double most) {
   const Attribute* const a = table.find(name);
   if (!a || a->components != 1 || is_real(a->type())) return nullptr;
@@ -31,9 +31,9 @@ const Attribute* whole_attribute(const AttributeTable& table, const char* name, 
   return a;
 }
 
-constexpr double kAngleStep = 0.006;  // degrees, of the formats from 6 on
+constexpr double kAngleStep = 0.006;  // degrees, of formats from 6 on
 
-/// Angles come back as they are: whole degrees in the older formats, multiples of the step in the others.
+/// Angles must be exactly representable: whole degrees in the older formats, multiples of the step in the others.
 const Attribute* angle_attribute(const AttributeTable& table, bool wide) {
   const Attribute* const a = table.find("scan_angle");
   if (!a || a->components != 1) return nullptr;
@@ -62,7 +62,7 @@ LasFields las_fields(const AttributeTable& table, bool wide) {
           .infrared = wide ? whole("near_infrared", 65535) : nullptr};
 }
 
-/// Whether the older point formats have a place for whatever the newer ones have one for.
+/// Whether the older point formats have fields for the same attributes as the newer ones.
 bool older_do(const AttributeTable& table) {
   const auto older = las_fields(table, false).all(), newer = las_fields(table, true).all();
   for (std::size_t k = 0; k < older.size(); ++k)
@@ -70,7 +70,7 @@ bool older_do(const AttributeTable& table) {
   return true;
 }
 
-/// One number, or up to three, after those of the point format.
+/// One to three numbers after those of the point format.
 struct ExtraBytes {
   const Attribute* attribute;
   std::size_t first, components;
@@ -91,7 +91,7 @@ std::vector<ExtraBytes> extra_bytes(const AttributeTable& table, const LasFields
   return extras;
 }
 
-/// 10 to a whole power.
+/// 10 to an integer power.
 double power_of_ten(int power) {
   const std::string text = "1e" + std::to_string(power);
   double value = 0;
@@ -99,15 +99,15 @@ double power_of_ten(int power) {
   return value;
 }
 
-/// What the 32 bits of a coordinate count.
+/// Scale and offset of the 32-bit coordinates.
 struct LasScale {
   Vec3 offset;
   double step = 0.001;
-  Box3 box;  ///< of what is written
+  Box3 box;  ///< of the written points
 };
 
-/// A decimal step that no float of the cloud can tell from nothing: less than a quarter of what separates those at its
-/// edge. 2^31 steps then reach far beyond the cloud.
+/// A decimal step below the resolution of the cloud's floats: less than a quarter of the difference of adjacent floats
+/// at its edge. 2^31 steps then reach far beyond the cloud.
 LasScale las_scale(const PointSet& points) {
   LasScale s;
   for (const Vec3f& p : points.positions) {
@@ -182,7 +182,7 @@ std::vector<std::string> points_to_las(const PointSet& points, const WriteOption
   header.replace(0, 4, "LASF");
   header[24] = 1, header[25] = wide ? 4 : 2;
   header.replace(26, 5, "OTHER"), header.replace(58, 8, "sansmesh");
-  // Times outside of a week are not of the week: adjusted ones, which are negative before September 2011.
+  // Times outside of a week are adjusted standard times, which are negative before September 2011.
   bool beyond = false;
   for (std::size_t i = 0; f.time && i < n; ++i) beyond |= !(f.time->number(i) >= 0 && f.time->number(i) <= 7 * 86400);
   put_at(header, 6, static_cast<std::uint16_t>((beyond ? 1 : 0) | (wide ? 16 : 0)));
@@ -204,7 +204,7 @@ std::vector<std::string> points_to_las(const PointSet& points, const WriteOption
       put_at(header, 111 + 4 * (k - 1), static_cast<std::uint32_t>(of_return[k]));
   }
   for (std::size_t k = 0; k < 3; ++k) {
-    // Of what the records say, which is rounded: no point may lie outside.
+    // From the rounded coordinates in the records: no point may be outside.
     const auto recorded = [&](double x) {
       return static_cast<double>(std::llround((x - scale.offset[k]) / scale.step)) * scale.step + scale.offset[k];
     };

@@ -25,13 +25,13 @@ class GmshNumbers {
   GmshNumbers(const Input& in, std::string_view body, bool binary, bool swap, std::size_t size_bytes)
       : in_(in), text_(in, body), rest_(body), binary_(binary), swap_(swap), size_bytes_(size_bytes) {}
 
-  /// In binary files of four bytes.
+  /// Four bytes in binary files.
   std::int64_t whole(const char* of) {
     if (!binary_) return text_.whole(of);
     const char* const p = take(4, of);
     return swap_ ? load<std::int32_t, true>(p) : load<std::int32_t>(p);
   }
-  /// In binary files of the size that the header gives.
+  /// In binary files of the size in the header.
   std::uint64_t size(const char* of) {
     if (!binary_) {
       const std::int64_t n = text_.whole(of);
@@ -42,15 +42,15 @@ class GmshNumbers {
     if (size_bytes_ == 4) return swap_ ? load<std::uint32_t, true>(p) : load<std::uint32_t>(p);
     return swap_ ? load<std::uint64_t, true>(p) : load<std::uint64_t>(p);
   }
-  /// A number of entries that follow, each of at least so many numbers.
+  /// A number of following entries, each of at least `numbers` numbers.
   std::size_t count(const char* of, std::size_t numbers = 1) { return checked(size(of), of, numbers); }
-  /// The same of entries that a number of four bytes counts.
+  /// The same for entries with a count of four bytes.
   std::size_t small_count(const char* of, std::size_t numbers = 1) {
     const std::int64_t n = whole(of);
     if (n < 0) in_.fail(fmt::format("{} {} cannot be", n, of));
     return checked(static_cast<std::uint64_t>(n), of, numbers);
   }
-  /// A number of entries as a line of text, in binary files, too.
+  /// A number of entries on a line of text, also in binary files.
   std::size_t line_count(const char* of, std::size_t numbers) {
     if (!binary_) return count(of, numbers);
     NumberText head(in_, line());
@@ -63,7 +63,7 @@ class GmshNumbers {
     const char* const p = take(8, of);
     return swap_ ? load<double, true>(p) : load<double>(p);
   }
-  /// A line of text, in binary files, too.
+  /// A line of text, also in binary files.
   std::string_view line() {
     if (!binary_) return text_.line();
     TextScanner s(rest_);
@@ -94,10 +94,10 @@ class GmshNumbers {
   std::size_t size_bytes_;
 };
 
-/// Kinds of elements: how many nodes they have, and what becomes of them.
+/// Kinds of elements: their number of nodes and their conversion.
 struct GmshElement {
   std::uint8_t type, nodes, corners;
-  const char* name;  ///< null for those that fill space, whose shape is told by the number of corners
+  const char* name;  ///< null for solid elements, whose shape follows from the number of corners
 };
 constexpr GmshElement kGmshElements[] = {
     {1, 2, 2, "edge"},       {2, 3, 3, "triangle"},       {3, 4, 4, "quadrilateral"}, {4, 4, 4, nullptr},
@@ -110,7 +110,7 @@ constexpr GmshElement kGmshElements[] = {
     {29, 20, 4, nullptr},    {30, 35, 4, nullptr},        {31, 56, 4, nullptr},       {92, 64, 8, nullptr},
     {93, 125, 8, nullptr}};
 
-/// Arrays have a number for each node or element, sections of data may name but a few of these.
+/// Arrays have a number for each node or element, but sections of data may name only a few of these.
 constexpr std::uint64_t kMostNumbersPerByte = 16;
 
 CellShape shape_of_corners(std::size_t corners) {
@@ -166,14 +166,14 @@ class GmshFile {
     std::vector<std::pair<std::uint64_t, std::vector<double>>> rows;
   };
 
-  /// Moves behind the name of the next section.
+  /// Moves past the name of the next section.
   std::optional<std::string> next_section(std::string_view& rest) const {
     TextScanner s(rest);
     for (;;) {
       s.skip_space();
       if (s.at_end()) return std::nullopt;
       if (*s.position() != '$') {
-        // Text that belongs to nothing: comments of some programs.
+        // Text outside of sections: comments of some programs.
         s.line();
         continue;
       }
@@ -303,7 +303,7 @@ class GmshFile {
       return;
     }
     if (e.nodes > e.corners) cells_.simplify();
-    if (e.corners == 6) std::swap(c[1], c[2]), std::swap(c[4], c[5]);  // VTK's wedge is the other way round
+    if (e.corners == 6) std::swap(c[1], c[2]), std::swap(c[4], c[5]);  // VTK's wedge has the opposite orientation
     cells_.add(shape_of_corners(e.corners), corners, tags);
     cell_numbers_.push_back(number);
   }
@@ -412,7 +412,7 @@ class GmshFile {
     data_.push_back(std::move(data));
   }
 
-  /// Puts the rows where their nodes or elements are; those of others are unknown.
+  /// Assigns rows to their nodes or elements; the rows of others are unknown.
   void give_data(const Data& d, std::size_t rows, const std::map<std::uint64_t, std::size_t>& place,
                  AttributeTable& table) const {
     std::vector<double> values(rows * d.components, std::numeric_limits<double>::quiet_NaN());

@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMostAttributes = 1000;
 
-/// Rows of attributes, and of a last column of whole numbers where there is one.
+/// Attributes by rows, and an optional last column of integers.
 class TetgenColumns {
  public:
   TetgenColumns(std::size_t attributes, bool marks) : columns_(attributes), with_marks_(marks) {}
@@ -39,14 +39,14 @@ class TetgenColumns {
   bool with_marks_;
 };
 
-/// The rest of a header's line as numbers; 0 where there is none.
+/// The next number in the header's line; 0 if there is none.
 std::int64_t number_of_line(NumberText& text) {
   std::int64_t n = 0;
   if (!text.at_line_end()) n = text.whole("header");
   return n;
 }
 
-/// A column too many would be taken for the beginning of the next row.
+/// An extra column would be read as the beginning of the next row.
 void end_row(NumberText& text, const char* of) {
   if (!text.at_line_end()) text.fail(fmt::format("a row of its {} has more columns than its header says", of));
 }
@@ -87,7 +87,7 @@ void read_tetgen_cells(const Input& in, const PointNumbers& points, GridBlock& b
   TetgenColumns columns(static_cast<std::size_t>(attributes), false);
   MeshCells cells({});
   for (std::size_t k = 0; k < count; ++k) {
-    text.whole(of);  // its own number
+    text.whole(of);  // its number
     std::array<std::uint32_t, 4> corners{};
     for (std::int64_t c = 0; c < nodes; ++c) {
       const auto named = static_cast<std::uint64_t>(text.whole(of));

@@ -1,4 +1,4 @@
-// Vega FEM's .veg: sections that begin with an asterisk, files included by name.
+// Vega FEM's .veg: sections that begin with an asterisk, and included files.
 // Layout: Vega FEM's user manual, "The .veg file format".
 #include <fmt/core.h>
 
@@ -19,8 +19,8 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-constexpr int kMostIncluded = 8;       ///< files inside files
-constexpr int kMostInclusions = 1000;  ///< all together: files that name each other often would be read for ever
+constexpr int kMostIncluded = 8;       ///< nesting depth of included files
+constexpr int kMostInclusions = 1000;  ///< in total: files that include each other repeatedly would not end
 
 std::string_view trimmed(std::string_view s) {
   s = s.substr(0, s.find('#'));
@@ -184,7 +184,7 @@ class VegaFile {
     regions_.emplace_back(words[0], words[1]);
   }
 
-  /// What elements are made of, as arrays; later regions win.
+  /// Materials of elements as arrays; later regions override earlier ones.
   void give_materials(GridBlock& block, GridData& data) {
     if (!other_materials_.empty()) data.notes.emplace_back("materials of other kinds than ENU were left out");
     std::vector<double> columns[3];

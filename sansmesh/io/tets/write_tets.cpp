@@ -20,7 +20,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kPackedBlock = 1 << 17;  ///< bytes that are compressed at a time
+constexpr std::size_t kPackedBlock = 1 << 17;  ///< bytes per compressed block
 constexpr int kPackedLevel = 4;
 constexpr std::uint8_t kVtkTetra = 10;
 
@@ -31,7 +31,8 @@ std::string raw_bytes(const std::vector<T>& values) {
   return bytes;
 }
 
-/// Blocks of vtkZLibDataCompressor: how many, their size, that of the last if it is another, packed sizes, then these.
+/// Blocks of vtkZLibDataCompressor: their number and size, the size of the last if it differs, packed sizes, then the
+/// data.
 std::string packed_blocks(const std::string& file, const std::string& bytes) {
   const std::size_t blocks = (bytes.size() + kPackedBlock - 1) / kPackedBlock;
   std::vector<std::string> packed(blocks);

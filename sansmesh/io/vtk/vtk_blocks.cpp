@@ -56,7 +56,7 @@ AttributeValues copied(const void* from, std::size_t tuples, std::size_t compone
   return to;
 }
 
-/// Arrays of `expected` rows; of these the `rows` where they are given.
+/// Arrays of `expected` rows; only `rows` of them if given.
 void add_arrays(vtkDataSetAttributes& from, std::size_t expected, const std::vector<std::uint32_t>* rows, bool of_cells,
                 VtkSink& sink, GridBlock& block, GridData& data) {
   for (int a = 0; a < from.GetNumberOfArrays(); ++a) {
@@ -89,7 +89,8 @@ std::vector<std::uint8_t> flagged(vtkUnsignedCharArray* ghosts, std::size_t n, u
   return hidden;
 }
 
-/// What is not there to be seen. Copies of another process's points stay: cells that are not copies have them.
+/// Marks hidden points and cells. Ghost copies of another process's points stay, because cells that are not copies use
+/// them.
 void add_hidden(vtkDataSet& set, const std::vector<std::uint32_t>* cell_rows, GridBlock& block) {
   const unsigned cells = vtkDataSetAttributes::DUPLICATECELL | vtkDataSetAttributes::REFINEDCELL |
                          vtkDataSetAttributes::EXTERIORCELL | vtkDataSetAttributes::HIDDENCELL;
@@ -132,7 +133,7 @@ void add_image(vtkImageData& image, VtkSink& sink, GridBlock& block, GridData& d
     Vec3 direction{turn->GetElement(0, k), turn->GetElement(1, k), turn->GetElement(2, k)};
     double step = spacing[k];
     if (!std::isfinite(step) || !(norm(direction) > 0)) fail("its spacing or directions are not numbers");
-    // Pictures of one layer may have no spacing across it.
+    // Images of one layer may have no spacing across it.
     if (step == 0) {
       if (n > 1) fail("has no spacing along an axis");
       step = 1;
@@ -193,7 +194,7 @@ void add_structured(vtkStructuredGrid& grid, VtkSink& sink, GridBlock& block, Gr
   add_all_arrays(grid, sink, block, data);
 }
 
-/// Points and arrays of a block of cells, or of its points alone if it has none.
+/// Points and arrays of a block of cells, or only its points if it has no cells.
 void finish_cells(vtkPointSet& set, LinearCells& linear, VtkSink& sink, GridBlock& block, GridData& data) {
   const std::size_t cells = static_cast<std::size_t>(set.GetNumberOfCells());
   const std::vector<std::string> notes = linear.notes();
@@ -305,7 +306,7 @@ void add_polygons(vtkPolyData& set, VtkSink& sink, GridBlock& block, GridData& d
       if (!linear.add(type, nodes, row)) linear.leave_out("polygon of fewer than three points");
     }
   };
-  // Rows of cell data stand in this order.
+  // Order of the rows of cell data.
   add(set.GetVerts(), VTK_POLY_VERTEX);
   add(set.GetLines(), VTK_POLY_LINE);
   add(set.GetPolys(), VTK_POLYGON);
@@ -455,7 +456,7 @@ void add_blocks(vtkDataObject& object, const std::string& name, VtkSink& sink, G
   if (auto* const amr = vtkUniformGridAMR::SafeDownCast(&object)) return add_levels(*amr, name, sink, data);
   auto* const tree = vtkDataObjectTree::SafeDownCast(&object);
   if (!tree) fail(std::string("holds data of the kind ") + object.GetClassName() + ", no volume");
-  // The children one by one, each with the name that its parent gives it.
+  // Visits the children separately, each with the name from its parent.
   const auto at = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
   at->TraverseSubTreeOff();
   at->VisitOnlyLeavesOff();
