@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr float kSamePaper = 5.0f / 255;  // more than dither and rounding make of the background
+constexpr float kSamePaper = 5.0f / 255;  // more than dither and rounding change the background
 
 }  // namespace
 
@@ -23,7 +23,7 @@ PixelBox picture_content(const Image& image, const RenderOptions& options, int m
       const Rgba& p = image.at(x, y);
       bool content = p[3] > 0;
       if (!clear) {
-        // Beside the picture its last column goes on.
+        // Beside the picture its last column is repeated.
         const float u =
             (static_cast<float>(std::min(x, options.view.width - 1)) + 0.5f) / static_cast<float>(options.view.width);
         const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(options.view.height);

@@ -13,14 +13,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kPacket = 16;  // rays that go together
+constexpr std::size_t kPacket = 16;  // rays per packet
 
-/// What a query has found so far, for each of its rays by their ids; Embree hands its first member back to the filter.
+/// Results of a query so far, for each of its rays by id; Embree passes its first member to the filter.
 struct Query {
   RTCIntersectContext context;
   std::array<float, kPacket> distance;
   std::array<unsigned, kPacket> primitive;
-  std::vector<RayCrossing>* all = nullptr;  // where wanted, every hit of the single ray, which goes on
+  std::vector<RayCrossing>* all = nullptr;  // if set, receives every hit of the single ray, which continues
 
   Query() {
     rtcInitIntersectContext(&context);
@@ -29,8 +29,8 @@ struct Query {
   }
 };
 
-/// Of hits at the same distance the lowest primitive counts: which one comes last depends on the tree, and the tree on
-/// the threads that built it.
+/// Among hits at the same distance the lowest primitive counts: their order depends on the tree, and the tree on the
+/// threads that built it.
 void settle_ties(const RTCFilterFunctionNArguments* arguments) {
   auto* query = reinterpret_cast<Query*>(arguments->context);
   RTCRayN* ray = arguments->ray;
@@ -60,7 +60,7 @@ void settle_ties(const RTCFilterFunctionNArguments* arguments) {
 
 }  // namespace
 
-/// The device, the scene and its one geometry.
+/// The device, the scene and its single geometry.
 struct RayScene::State {
   RTCDevice device = nullptr;
   RTCScene scene = nullptr;
@@ -82,7 +82,7 @@ struct RayScene::State {
     rtcReleaseDevice(device);
   }
 
-  /// Embree's own memory: it reads a little beyond the end, which vectors need not allow.
+  /// Embree's own memory: it reads slightly beyond the end, which vectors need not permit.
   template <class T>
   T* buffer(RTCBufferType type, RTCFormat format, std::size_t count) {
     void* data = rtcSetNewGeometryBuffer(geometry, type, 0, format, sizeof(T), count);

@@ -13,7 +13,7 @@ namespace {
 constexpr double kMostPixels = 16384;
 constexpr std::string_view kOverOrOnly[] = {"none", "over", "only"};
 constexpr std::string_view kBackgrounds[] = {"gradient", "white", "black", "transparent"};
-/// After a flag that may stand alone only these are its value.
+/// The only accepted values of a flag whose value is optional.
 constexpr std::string_view kLengthUnits[] = {"nm", "um",   "µm", "mm",   "cm",    "dm", "m", "km",
                                              "in", "inch", "ft", "foot", "us-ft", "yd", "mi"};
 
@@ -32,7 +32,7 @@ struct BackgroundOption {
     const std::string& word = std::get<std::string>(value);
     if (word == "gradient") return {};
     if (word == "transparent") return Background::transparent();
-    // As paper and ink; those of things that are seen in light are not so strong.
+    // Pure white and black, as paper and ink; the named surface colours are less saturated.
     if (word == "white" || word == "black") return Background::solid(word == "white" ? Vec3f{1, 1, 1} : Vec3f{0, 0, 0});
     const auto color = color_of_word(word);
     if (!color)

@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kContent = "content";
 constexpr std::string_view kNamedViews[] = {"front", "back", "left", "right", "top", "bottom", "iso"};
 
-/// Four whole numbers with commas between them, the size at least 1.
+/// Four integers separated by commas, the size at least 1.
 std::optional<PixelBox> pixel_box_of(std::string_view text) {
   const std::vector<std::string> words = between_commas(text);
   if (words.size() != 4) return std::nullopt;
@@ -66,7 +66,7 @@ RenderOptions ViewOptions::applied_to(RenderOptions o) const {
   if (elevation) o.view.direction.elevation = *elevation;
   if (view) o.view.direction = named_view(std::string(kNamedViews[static_cast<std::size_t>(*view)]));
   if (z_up) o.view.up = UpAxis::z;
-  if (crop && crop->box) check_crop(*crop->box, o.view.width, o.view.height);  // before all the work
+  if (crop && crop->box) check_crop(*crop->box, o.view.width, o.view.height);  // before long computations
   return o;
 }
 

@@ -25,7 +25,7 @@ struct Ball {
   float x, y, z, radius;
 };
 
-/// What a packet of rays has found so far; Embree hands its first member back to the callback.
+/// Results of a packet of rays so far; Embree passes its first member to the callback.
 struct PacketQuery {
   RTCIntersectContext context;
   alignas(32) float entry[kPacket], exit[kPacket], radius[kPacket];
@@ -40,9 +40,9 @@ namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// One ball against a packet. Embree finds balls in an order that depends on its tree, and that on the threads which
-/// built it. The answer must not: of several balls with the same entry the one that ends last, then the first one
-/// counts. No fused multiply-add: its rounding would differ from that of machines without it.
+/// Intersects one ball with a packet. Embree finds balls in an order that depends on its tree, and thus on the threads
+/// that built it. The answer must not: of several balls with the same entry, the one that ends last counts, then the
+/// first one. No fused multiply-add: its rounding would differ from that of machines without it.
 void CrossBall(const RTCIntersectFunctionNArguments* arguments) {
   const hn::CappedTag<float, kPacket> d;
   const hn::RebindToSigned<decltype(d)> di;
@@ -57,7 +57,7 @@ void CrossBall(const RTCIntersectFunctionNArguments* arguments) {
     const auto z = hn::Sub(hn::Set(d, ball.z), hn::Load(d, ray.org_z + i));
     const auto dx = hn::Load(d, ray.dir_x + i), dy = hn::Load(d, ray.dir_y + i), dz = hn::Load(d, ray.dir_z + i);
     const auto middle = hn::Add(hn::Add(hn::Mul(x, dx), hn::Mul(y, dy)), hn::Mul(z, dz));
-    // Not |to centre|² − middle²: the difference of large numbers, from afar.
+    // Not |to centre|² − middle²: from afar this is a difference of large numbers.
     const auto px = hn::Sub(x, hn::Mul(middle, dx)), py = hn::Sub(y, hn::Mul(middle, dy)),
                pz = hn::Sub(z, hn::Mul(middle, dz));
     const auto aside = hn::Add(hn::Add(hn::Mul(px, px), hn::Mul(py, py)), hn::Mul(pz, pz));
@@ -99,8 +99,8 @@ void cross_ball(const RTCIntersectFunctionNArguments* arguments) { HWY_DYNAMIC_D
 using detail::Ball;
 using detail::kPacket;
 
-/// Spheres of Embree itself will not do: from inside a ball they tell where it ends, but not that one is inside. So the
-/// balls are geometry of our own, which hands out both ends.
+/// Embree's own spheres do not suffice: from inside they report the end of a ball, but not that the origin is inside.
+/// So the balls are a user geometry that returns both ends.
 struct BallSegments::State {
   std::vector<Ball> balls;
   RTCDevice device = nullptr;

@@ -7,15 +7,15 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kAims = 8;                // jumps to where the surface should be, a ball
+constexpr int kAims = 8;                // predicted jumps per ball
 constexpr int kRimSteps = 3;            // bisections towards the rim of the domain
-constexpr int kQuickRounds = 5;         // in a bracket, before it is halved
-constexpr int kMostEvaluations = 5000;  // no ray needs them; no field may hang us
-constexpr double kOutsideStep = 0.25;   // of the ball's radius, at least
-constexpr double kAimReach = 3;         // largest steps that a jump may be long,
-constexpr double kAimSlant = 4;         // and distances to the surface
-constexpr double kBeyond = 4;           // radii: values outside of the domain beyond that are no distances
-constexpr double kTrust = 1.2;          // no surface is nearer than the field's value over this
+constexpr int kQuickRounds = 5;         // in a bracket, before bisection
+constexpr int kMostEvaluations = 5000;  // far more than any ray needs; a bound for irregular fields
+constexpr double kOutsideStep = 0.25;   // of the ball's radius, least step
+constexpr double kAimReach = 3;         // length limit of a jump, in largest steps
+constexpr double kAimSlant = 4;         // and in distances to the surface
+constexpr double kBeyond = 4;           // radii: larger values outside of the domain are not distances
+constexpr double kTrust = 1.2;          // no surface is closer than the field's value over this
 
 bool opposite(double a, double b) { return (a < 0) != (b < 0); }
 
@@ -31,7 +31,7 @@ void RayWalk::begin(const BallSegment& segment) {
   at_start_ = !walking_ && segment.entry <= end_;
   walking_ = true;
   radius_ = segment.radius;
-  // Just inside: the domain of the field may be the very same balls.
+  // Just inside: the domain of the field may be the same balls.
   const double margin = 0.5 * BallSegments::slack(segment.entry, segment.radius);
   at_ = at_start_ ? segment.entry : segment.entry + margin;
   end_ = std::min(far_, segment.exit - margin);
@@ -53,7 +53,7 @@ void RayWalk::enter(const BallSegment& segment, const WalkRules& rules) {
   go_to(next_, rules, next_want_);
 }
 
-/// The last sample before a gap, unless the surface is too far away for it to matter.
+/// Stops at the last sample before a gap, unless the surface is too far away to matter.
 void RayWalk::stop_at(double t, const WalkRules& rules, const BallSegment& following) {
   following_ = following;
   const double left = t - low_.t;
@@ -81,12 +81,12 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
   const bool start = at_start_;
   at_start_ = false;
   if (!sample.inside || !std::isfinite(sample.value)) {
-    // No crossing counts across a hole.
+    // A change of sign across a hole is not a crossing.
     if (phase_ != Phase::march) return go_on_from(high_, rules);
     return step_outside(sample, rules);
   }
   if (!start && accept(sample, rules)) {
-    // At grazing angles the root that a foot suggests is far from where the foot agrees.
+    // At grazing angles the root predicted by a foot is far from the surface.
     if (std::abs(sample.root) <= 0.05 * radius_ && at_ + sample.root <= end_) at_ += sample.root;
     normal_ = sample.normal;
     return finish(true);
@@ -104,7 +104,7 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
     return close_in(sample, rules);
   }
   if (from_outside_) {
-    // Is the surface between the rim of the domain and here?
+    // Searches for the surface between the rim of the domain and this sample.
     const bool other_side = std::abs(outside_value_) > kBeyond * radius_ || opposite(outside_value_, now.value);
     if (rim_ < kRimSteps && other_side && std::abs(now.value) < now.t - outside_) {
       ++rim_;
@@ -134,7 +134,7 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
 bool RayWalk::accept(const WalkSample& sample, const WalkRules& rules) const {
   const double tolerance = rules.tolerance * radius_;
   if (rules.feet) {
-    // Each jump leaves a share of the last residual: so will the next one, which need not be asked.
+    // Each jump leaves a share of the last residual; the prediction for the next one saves an evaluation.
     if (sample.residual <= tolerance) return true;
     const double share = std::max(0.1, sample.residual / residual_);
     return sample.residual * share <= 0.5 * tolerance && std::abs(sample.root) <= 40 * tolerance;
@@ -144,13 +144,13 @@ bool RayWalk::accept(const WalkSample& sample, const WalkRules& rules) const {
   if (root > end_) return false;
   if (known_ > 0 && !(root > low_.t)) return false;
   if (phase_ == Phase::bracket ? !(root < high_.t) : known_ == 0) return false;
-  // Newton's step from here lands within the square of its length, over the radius of curvature.
+  // The error of a Newton step is within the square of its length, over the radius of curvature.
   return std::abs(sample.root) <= std::max(tolerance, 0.3 * std::sqrt(rules.tolerance) * radius_ * sample.slant) &&
          sample.slant > 0.02;
 }
 
 void RayWalk::march_on(const WalkSample& sample, const WalkRules& rules) {
-  // Fields that flatten out are farther from zero than their value.
+  // Where the gradient is small, the distance exceeds the value.
   const double distance = std::abs(sample.value) / std::clamp(sample.steepness, 0.4, 1.0);
   const double step = std::clamp(distance, rules.smallest_step * radius_, rules.largest_step * radius_);
   const double root = sample.root;
@@ -160,7 +160,7 @@ void RayWalk::march_on(const WalkSample& sample, const WalkRules& rules) {
       ++aims_;
       return go_to(low_.t + root, rules, Want::root);
     }
-    if (rules.feet && known_ > 1 && low_.t + root > before_.t) {  // have we jumped over it?
+    if (rules.feet && known_ > 1 && low_.t + root > before_.t) {  // a jump may have passed it
       ++aims_;
       high_ = low_;
       at_ = low_.t + root;
@@ -182,7 +182,7 @@ void RayWalk::step_outside(const WalkSample& sample, const WalkRules& rules) {
     want_ = Want::value;
     return;
   }
-  // What a field says beyond its domain may be worth little, but for how far to go.
+  // Values beyond the domain are unreliable, except for the step length.
   const double value = std::abs(sample.value), least = kOutsideStep * radius_;
   const double step = value < kBeyond * radius_ ? std::clamp(0.7 * value, least, radius_) : least;
   const double ahead = from_outside_ && inside_again_ > at_ ? inside_again_ : at_ + step;
@@ -196,7 +196,7 @@ void RayWalk::step_outside(const WalkSample& sample, const WalkRules& rules) {
   go_to(ahead, rules, Want::root);
 }
 
-/// Three samples on the same side, the middle one nearest: would a parabola through them reach the surface?
+/// Of three samples on the same side with the middle one nearest: whether a parabola through them reaches the surface.
 bool RayWalk::look_into_dip(const Place& now, const WalkRules& rules) {
   const double a = std::abs(before_.value), b = std::abs(low_.value), c = std::abs(now.value);
   const double left = low_.t - before_.t, right = now.t - low_.t;
@@ -214,7 +214,7 @@ bool RayWalk::look_into_dip(const Place& now, const WalkRules& rules) {
   return true;
 }
 
-/// As if the sample there had just been taken and found nothing.
+/// Continues as if the sample there had found nothing.
 void RayWalk::go_on_from(const Place& place, const WalkRules& rules) {
   phase_ = Phase::march;
   low_ = place;
@@ -224,7 +224,7 @@ void RayWalk::go_on_from(const Place& place, const WalkRules& rules) {
   go_to(place.t + step, rules, Want::root);
 }
 
-/// The sample is one end of the bracket [low_, high_]: where to look next.
+/// The sample is one end of the bracket [low_, high_]; chooses the next position.
 void RayWalk::close_in(const WalkSample& sample, const WalkRules& rules) {
   const double width = high_.t - low_.t, guard = 0.25 * std::min(rules.tolerance * radius_, width);
   const double middle = 0.5 * (low_.t + high_.t);
@@ -238,14 +238,14 @@ void RayWalk::close_in(const WalkSample& sample, const WalkRules& rules) {
 }
 
 void RayWalk::narrow(const WalkSample& sample, const WalkRules& rules) {
-  // The end that stays twice pulls less (Illinois): the next line through both ends lands beyond the root.
+  // Illinois rule: the end that stays twice has half the weight, so that the next secant lands beyond the root.
   const bool beyond = opposite(sample.value, low_.value);
   if (rounds_ > 1 && beyond == beyond_) (beyond ? low_ : high_).value *= 0.5;
   (beyond ? high_ : low_) = {at_, sample.value};
   beyond_ = beyond;
   const double tolerance = rules.tolerance * radius_;
   if (high_.t - low_.t <= tolerance) {
-    // A long jump from one side to the other without a zero is no surface, nor is a place that the projection moves on.
+    // A long jump from one side to the other without a zero is not a surface, nor is a point that the projection moves.
     const double off = rules.feet ? sample.residual : std::abs(sample.value);
     if (off > std::max(10 * tolerance, rules.feet ? 0 : rules.jump * radius_)) return go_on_from(high_, rules);
     normal_ = sample.normal;

@@ -15,10 +15,10 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-/// Projections in one ball: the sources report two to three.
+/// Limit of projections in one ball: the sources report two to three.
 constexpr int kMostProjections = 8;
 
-/// The roots of height + slope t + square t² = 0 in ascending order; not a number where there are none.
+/// The roots of height + slope t + square t² = 0 in ascending order; NaN if there are none.
 std::array<double, 2> roots_of(double square, double slope, double height) {
   const double discriminant = slope * slope - 4 * square * height;
   if (discriminant < 0) return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
@@ -58,7 +58,7 @@ struct PatchQuery {
 void patch_bounds(const RTCBoundsFunctionArguments* arguments) {
   const Patch& p = static_cast<const Patch*>(arguments->geometryUserPtr)[arguments->primID];
   RTCBounds& b = *arguments->bounds_o;
-  // Beyond what the centre loses in single precision.
+  // Beyond the rounding of the centre to single precision.
   const double lost = 1e-6 * (std::abs(p.center.x) + std::abs(p.center.y) + std::abs(p.center.z));
   const auto r = static_cast<float>(p.radius * (1 + 1e-6) + lost);
   const Vec3f c(p.center);
@@ -66,7 +66,7 @@ void patch_bounds(const RTCBoundsFunctionArguments* arguments) {
   b.upper_x = c.x + r, b.upper_y = c.y + r, b.upper_z = c.z + r;
 }
 
-/// Of several at the same place the first ball counts, whatever order Embree's tree has.
+/// Among several at the same distance the first ball counts, independent of Embree's tree.
 void cross_patch(const RTCIntersectFunctionNArguments* arguments) {
   if (arguments->valid[0] == 0) return;
   auto& query = *reinterpret_cast<PatchQuery*>(arguments->context);
@@ -167,7 +167,7 @@ StoredCounts cast_from_stored(const Projection& projection, const BallUnion& bal
   struct Walk {
     std::uint32_t ray = 0, ball = 0;
     double at = 0;
-    float from = 0;  ///< the next stored polynomial is behind that
+    float from = 0;  ///< the next stored polynomial is beyond this distance
     int in_ball = 0, evaluations = 0;
     bool seeks = true;
   };

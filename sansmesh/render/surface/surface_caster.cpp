@@ -19,9 +19,9 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kBatch = 1024;  // rays that walk together: their state stays in the cache
+constexpr std::size_t kBatch = 1024;  // rays advanced together: their state fits into the cache
 
-/// All that a batch needs, kept from one to the next.
+/// Memory of a batch, reused by later ones.
 struct Scratch {
   std::vector<RayWalk> walks;
   std::vector<std::uint32_t> active, asking, values, roots;
@@ -80,7 +80,8 @@ struct SurfaceCaster::State {
   void sample_field(std::span<const CastRay> rays, Scratch& scratch) const;
   void sample_projection(std::span<const CastRay> rays, Scratch& scratch) const;
 
-  /// A thread that waits inside the field may be given another batch: so scratch belongs to batches, not to threads.
+  /// A thread that waits inside the field may start another batch, so scratch memory belongs to batches, not to
+  /// threads.
   std::unique_ptr<Scratch> borrow() const {
     const std::lock_guard lock(mutex);
     if (spare.empty()) return std::make_unique<Scratch>();
@@ -154,7 +155,7 @@ void SurfaceCaster::State::cast(std::span<const CastRay> batch, std::span<CastHi
   std::uint64_t queries = 0;
   while (true) {
     answer_queries(batch, s, queries);
-    // Pixels that are neighbours stay neighbours.
+    // Neighbouring pixels stay neighbours.
     s.values.clear();
     s.roots.clear();
     std::size_t left = 0;

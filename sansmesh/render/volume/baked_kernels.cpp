@@ -14,7 +14,7 @@
 #define SANSMESH_RENDER_BRICK_PLACE
 namespace sansmesh::inline v1::detail {
 
-/// The way down the tree doubles the place in every step, which is exact.
+/// Each level of the descent doubles the coordinates, which is exact.
 inline BrickPlace place_in_bricks(const BrickTree& tree, const Vec3& x) {
   double f[3];
   std::int32_t root = 0;
@@ -51,7 +51,8 @@ namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Four lanes (or one after another): a value and its gradient, which take the same way through the nodes of a cell.
+/// Four lanes (or fewer in sequence): a value and its gradient, which share the interpolation between the nodes of a
+/// cell.
 using BrickTag = hn::CappedTag<float, 4>;
 constexpr std::size_t kBrickLanes = hn::MaxLanes(BrickTag());
 
@@ -65,7 +66,7 @@ HWY_INLINE void BetweenNodes(const BrickTree& tree, const BrickPlace& p, float* 
   constexpr std::size_t kRow = 4u * kBrickNodes, kLayer = kRow * kBrickNodes;
   const auto tx = hn::Set(tag, p.x - static_cast<float>(i)), ty = hn::Set(tag, p.y - static_cast<float>(j));
   const auto tz = hn::Set(tag, p.z - static_cast<float>(k));
-  // Rounded twice on every machine: those without a fused multiply-add would take long to imitate one.
+  // Rounded twice on every machine: emulation of a fused multiply-add would be slow.
   const auto between = [](auto a, auto b, auto t) HWY_ATTR { return hn::Add(a, hn::Mul(hn::Sub(b, a), t)); };
   const auto along_x = [&](const float* from)
                            HWY_ATTR { return between(hn::LoadU(tag, from), hn::LoadU(tag, from + 4), tx); };
@@ -78,7 +79,7 @@ HWY_INLINE void BetweenNodes(const BrickTree& tree, const BrickPlace& p, float* 
   }
 }
 
-/// Fetches the nodes of a cell into the cache: bricks take far more than that holds, and rays meet them in no order.
+/// Prefetches the nodes of a cell: bricks exceed the cache by far, and rays visit them in irregular order.
 HWY_INLINE void FetchNodes(const BrickTree& tree, const BrickPlace& p) {
   const auto cell = [](float at) { return std::min(static_cast<int>(at), kBrickCells - 1); };
   const float* const at = tree.nodes + static_cast<std::size_t>(p.brick) * kBrickSize +

@@ -23,13 +23,14 @@ using detail::kBrickCells;
 using detail::kBrickNodes;
 using detail::kBrickSize;
 
-constexpr int kRootsAlong = 2;  // the longest side
+constexpr int kRootsAlong = 2;  // along the longest side
 constexpr int kMostLevels = 12;
-constexpr double kFinest = 0.5;    // of the spacing: cells as fine as this are not split
-constexpr double kCoarsest = 3;    // of the spacing: cells coarser than this could hide something, whatever their error
-constexpr double kStubborn = 0.8;  // of its parent's error: that much left after a split is no curvature but a jump
-constexpr double kMissed = 1e9;    // urgency of bricks that hold places but no point found inside
-constexpr std::size_t kEnoughChecked = 50;  // of the points of the check one in so many inside is enough
+constexpr double kFinest = 0.5;  // of the spacing: cells as fine as this are not split
+constexpr double kCoarsest = 3;  // of the spacing: coarser cells could miss details, whatever their error
+constexpr double kStubborn =
+    0.8;  // of its parent's error: a larger remaining error after a split indicates a jump instead of curvature
+constexpr double kMissed = 1e9;             // urgency of bricks that hold samples but no point found inside
+constexpr std::size_t kEnoughChecked = 50;  // one in so many check points inside is enough
 constexpr std::size_t kBrickBatch = 96;
 constexpr std::size_t kCheckPoints = 20000;
 constexpr std::size_t kNodesOfBrick = kBrickSize / 4;
@@ -38,7 +39,7 @@ constexpr std::size_t node_at(int i, int j, int k) {
   return static_cast<std::size_t>(i + kBrickNodes * (j + kBrickNodes * k));
 }
 
-/// Where the n-th of an even spread of points over the unit cube lies (Roberts' recurrence).
+/// The n-th point of an even distribution over the unit cube (Roberts' recurrence).
 Vec3 spread_in_cube(std::size_t n) {
   constexpr double kG = 1.22074408460575947536;
   const auto part = [&](double step) {
@@ -63,31 +64,31 @@ struct BakedVolume::State {
     int level = 0;
     std::array<int, 3> at{};    ///< in bricks of its level
     float least = 0, most = 0;  ///< of its nodes
-    double error = 0;           ///< at the middles of its cells, those in the volume
+    double error = 0;           ///< at the centres of its cells in the volume
     double spacing = 0;         ///< of the field
     double parent_error = 0;
-    double held = std::numeric_limits<double>::infinity();  ///< least spacing at the places in it, where `none`
-    int stubborn = 0;                                       ///< generations in a row that splitting did not help
+    double held = std::numeric_limits<double>::infinity();  ///< least spacing at the samples in it, for `none`
+    int stubborn = 0;  ///< consecutive generations without improvement by splitting
     Inside inside = Inside::none;
-    std::vector<std::uint8_t> mask;  ///< of nodes, where `some`
+    std::vector<std::uint8_t> mask;  ///< of nodes, for `some`
   };
 
   const VolumeField* field;
   BakeOptions options;
-  bool whole = false;  ///< all that is in the box is in the volume
+  bool whole = false;  ///< the volume fills the whole box
   BakeReport report;
   Box3 box;
   std::array<int, 3> counts{1, 1, 1};
   Vec3 root;  ///< edges of a root
   double value_scale = 1,
-         slope_scale = 1;  ///< powers of two: nodes are the value times the first, its slopes times both
+         slope_scale = 1;  ///< powers of two: nodes store the value times the first, its slopes times both
   std::vector<std::int32_t> branches;
   std::vector<Brick> bricks;
   std::vector<float> nodes;
-  std::vector<std::size_t> pending;  ///< places whose bricks are not full
-  std::vector<Vec3> known;           ///< some of the places, with the field's values
+  std::vector<std::size_t> pending;  ///< samples whose bricks are not entirely inside
+  std::vector<Vec3> known;           ///< some of the samples, with the field's values
   std::vector<double> known_values;
-  /// Nodes that took what a coarser brick says, with what they were before.
+  /// Nodes with values from a coarser brick, and their original values.
   std::vector<std::pair<std::size_t, std::array<float, 4>>> hanging;
 
   State(const VolumeField& f, const BakeOptions& o) : field(&f), options(o) {
@@ -129,7 +130,7 @@ struct BakedVolume::State {
     const Vec3 e = edges(b.level);
     return std::max({e.x, e.y, e.z}) / kBrickCells;
   }
-  /// How values and slopes are kept: floats that are about 1 large, or ordinary ones as they are.
+  /// Values and slopes as floats, scaled to order 1.
   float kept_value(double v) const { return kept(v * value_scale); }
   float kept_slope(double v) const { return kept(v * value_scale * slope_scale); }
   static float kept(double v) {
@@ -159,7 +160,7 @@ struct BakedVolume::State {
     hold_places(progress);
   }
 
-  /// Tells bricks that seem to miss the volume how fine it is in them.
+  /// Passes the local spacing of samples to bricks that seem to miss the volume.
   void hold_places(Progress& progress) {
     progress.check();
     const detail::BrickTree own = tree();
@@ -171,7 +172,7 @@ struct BakedVolume::State {
     std::size_t left = 0;
     for (std::size_t i = 0; i < pending.size(); ++i) {
       const Inside inside = bricks[static_cast<std::size_t>(in[i])].inside;
-      if (inside == Inside::all) continue;  // found, and so is all that it will be split into
+      if (inside == Inside::all) continue;  // found, and so are all its parts
       if (inside == Inside::none) holders.push_back(in[i]), x.push_back(options.places[pending[i]]);
       pending[left++] = pending[i];
     }
@@ -184,7 +185,7 @@ struct BakedVolume::State {
     }
   }
 
-  /// Samples bricks and puts them where they belong.
+  /// Samples bricks and stores them.
   void fill(std::vector<Brick>& made, std::span<const std::size_t> slots, Progress& progress) {
     std::vector<Vec3> x, probes;
     std::vector<double> values, spacings;
@@ -258,15 +259,15 @@ struct BakedVolume::State {
     }
   }
 
-  /// How much a brick should be split: more than 1 if it should.
+  /// Priority of splitting a brick; above 1 it should be split.
   double urgency(const Brick& b) const {
     if (b.level >= kMostLevels) return 0;
     const double cell = longest_cell(b);
-    // What is missed altogether comes first.
+    // Bricks that miss samples come first.
     if (b.inside == Inside::none) return cell > b.held ? kMissed * cell / b.held : 0;
     if (cell <= kFinest * b.spacing || (b.stubborn > 1 && cell <= b.spacing)) return 0;
     const double wanted = b.error / (options.tolerance * range());
-    // A brick that has no error yet but is coarse comes after all that are known to be wrong.
+    // A coarse brick without a known error comes after all bricks with too large errors.
     const double coarse = cell > kCoarsest * b.spacing ? 1 + 1e-9 * cell / b.spacing : 0;
     return std::max(wanted, coarse);
   }
@@ -309,7 +310,7 @@ struct BakedVolume::State {
     return true;
   }
 
-  /// The brick that holds a place given in bricks of a level, or −1: finer ones, or nothing, are there.
+  /// The brick that covers a position given in bricks of a level, or −1 if there are finer ones or none.
   std::int32_t coarser_at(const std::array<int, 3>& at, int level) const {
     std::size_t index = 0;
     for (std::size_t k = 3; k-- > 0;) {
@@ -326,13 +327,13 @@ struct BakedVolume::State {
     return bricks[static_cast<std::size_t>(~branch)].level < level ? ~branch : -1;
   }
 
-  /// Value and gradient of a brick at a node of a finer one, in place.
+  /// Value and gradient of a brick at a node of a finer one.
   std::array<float, 4> between(const Brick& coarse, std::size_t slot, const Brick& fine,
                                const std::array<int, 3>& node) const {
     double f[3];
     int cell[3];
     for (std::size_t k = 0; k < 3; ++k) {
-      // In cells of the coarse one: exact, as all are powers of two.
+      // In cells of the coarse one; exact, because all factors are powers of two.
       const double scale = std::ldexp(1.0, coarse.level - fine.level);
       const double at = (static_cast<double>(fine.at[k]) * kBrickCells + node[k]) * scale -
                         static_cast<double>(coarse.at[k]) * kBrickCells;
@@ -357,7 +358,7 @@ struct BakedVolume::State {
     hanging.clear();
   }
 
-  /// Closes the cracks, coarse bricks first: what a finer one takes over is final.
+  /// Closes the cracks, coarse bricks first, so that the values for finer ones are final.
   void settle() {
     std::vector<std::size_t> order(bricks.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -588,7 +589,7 @@ void BakedVolume::ranges(std::span<const Box3> boxes, std::span<ValueRange> foun
         const Vec3 lower = part.lower + Vec3{c & 1 ? half.x : 0, c & 2 ? half.y : 0, c & 4 ? half.z : 0};
         bool apart = false;
         for (std::size_t k = 0; k < 3; ++k) {
-          // What lies beyond the box has the values of its faces.
+          // Points outside the box have the values of its faces.
           const double from = std::clamp(boxes[i].lower[k], s.box.lower[k], s.box.upper[k]);
           const double to = std::clamp(boxes[i].upper[k], s.box.lower[k], s.box.upper[k]);
           apart = apart || lower[k] > to + 1e-9 * half[k] || lower[k] + half[k] < from - 1e-9 * half[k];

@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The first point beyond a value; jumps are taken at their value.
+/// The first point beyond a value; jumps take effect at their value.
 template <class Point>
 std::size_t point_after(const std::vector<Point>& points, double value) {
   const auto after =

@@ -27,7 +27,7 @@ TransferTable::TransferTable(const TransferFunction& function, bool colors_only)
   function.validate();
   auto [lower, upper] = function.range();
   if (!(upper > lower)) {
-    // Room for the one value, also where it is so large that 1 is nothing beside it.
+    // Widens a range of a single value, also if it is so large that 1 is below its resolution.
     const double half = std::abs(lower) < 0x1p50 ? 0.5 : 0x1p-20 * std::abs(lower);
     lower -= half, upper = lower + 2 * half;
   }
@@ -46,7 +46,7 @@ TransferTable::TransferTable(const TransferFunction& function, bool colors_only)
   for (std::size_t i = 0; i + 1 < breaks.size(); ++i) {
     const double a = breaks[i], b = breaks[i + 1], span = b - a;
     if (span > 0) {
-      // Within the piece: at its ends the function may jump.
+      // Inside the segment: the function may jump at its ends.
       const auto opacity = [&](double t) { return function.opacity(lower + (a + t * span) / scale_); };
       const double depth = span * (colors_only ? 1 : mean_depth(opacity(1e-6), opacity(1 - 1e-6)));
       const Vec3 color = light(0.5 * (a + b));

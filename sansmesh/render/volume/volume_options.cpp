@@ -181,7 +181,7 @@ void VolumePictureOptions::validate() const {
   if (!preset.empty()) {
     const auto known = transfer_function_presets();
     if (std::find(known.begin(), known.end(), preset) == known.end())
-      transfer_function_preset(preset, ValueHistogram{});  // throws with the list of those known
+      transfer_function_preset(preset, ValueHistogram{});  // throws with the list of known presets
   }
   check_range("opacity_factor", opacity_factor, 0, 1000);
   check_range("step", step, 0.05, 4);

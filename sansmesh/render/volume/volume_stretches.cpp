@@ -7,7 +7,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kSame = 2e-6;  // crossings as near as this, in diagonals, may be one
+constexpr double kSame = 2e-6;  // crossings closer than this, in diagonals, may be one
 
 Vec3 to_world(const PictureFrame& frame, const VolumeRay& ray, double t) {
   return frame.center + (ray.origin + ray.direction * t) * frame.size;
@@ -27,7 +27,7 @@ RayStretch in_box(const VolumeRay& ray, const Vec3& lower, const Vec3& upper) {
   return s.end > s.begin ? s : RayStretch{0, 0};
 }
 
-/// What is left of a stretch when the part between two distances goes.
+/// Removes the part between two distances from a stretch.
 void take_away(const RayStretch& s, double from, double to, std::vector<RayStretch>& left) {
   if (to <= s.begin || from >= s.end) {
     left.push_back(s);
@@ -60,7 +60,7 @@ void VolumeStretches::between_crossings(std::span<const VolumeRay> rays,
   std::vector<RayCrossing> hits;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     boundary_->crossings(Vec3f(rays[i].origin), Vec3f(rays[i].direction), std::numeric_limits<float>::infinity(), hits);
-    // Triangles that share an edge or corner may report it each.
+    // Triangles with a common edge or corner may each report it.
     std::vector<RayCrossing> crossings;
     for (const RayCrossing& hit : hits)
       if (crossings.empty() || crossings.back().entering != hit.entering ||
@@ -117,9 +117,9 @@ void VolumeStretches::find(std::span<const VolumeRay> rays, std::span<const Volu
     for (const VolumeCut& cut : cuts) {
       const Vec3 n = normalized(cut.normal);
       const double along = dot(n, rays[i].direction) * frame_.size;
-      const double from = dot(n, to_world(frame_, rays[i], 0)) - cut.offset;  // > 0: on the side that goes
+      const double from = dot(n, to_world(frame_, rays[i], 0)) - cut.offset;  // > 0: on the removed side
       constexpr double kFar = std::numeric_limits<double>::infinity();
-      double begin = -kFar, end = kFar;  // of the part that goes
+      double begin = -kFar, end = kFar;  // of the removed part
       if (along == 0) {
         if (!(from > 0 && from < cut.thickness)) continue;
       } else {

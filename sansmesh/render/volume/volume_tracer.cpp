@@ -12,21 +12,21 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kReferenceShare = 0.02;  // default reference length, of the diagonal
-constexpr int kMostPieces = 10;           // of a step, each with its own integral
-constexpr double kFlat = 1e-6;            // places of the table that are too near each other for a difference
-constexpr double kBent = 0.25;            // of the range: by how much a value may miss where a slope pointed
-constexpr double kShortest = 0.05;        // of a step that is halved
+constexpr double kReferenceShare = 0.02;  // default reference length, as a share of the diagonal
+constexpr int kMostPieces = 10;           // of a step, with separate integrals
+constexpr double kFlat = 1e-6;            // least distance of table coordinates for a difference quotient
+constexpr double kBent = 0.25;      // of the range: largest difference between a value and the prediction of a slope
+constexpr double kShortest = 0.05;  // least share of a step that is halved
 constexpr int kRootRounds = 10;
 constexpr float kGrazing = 0.4f;
-constexpr double kFaceOpacity = 0.004;  // from which on a cut face is opaque
-constexpr double kBesideFace = 0.02;    // pixels: how far from the face of a gap a sample on it lies
+constexpr double kFaceOpacity = 0.004;  // least opacity at which a cut face is opaque
+constexpr double kBesideFace = 0.02;    // pixels: distance of a sample from the face of a gap that it represents
 constexpr int kFaceTries = 6;
 
 /// 1 − e^−x for x >= 0.
 double absorbed(double x) {
   if (x > 0.03) return -std::expm1(-x);
-  return x * (1 - x * (0.5 - x * (1.0 / 6 - x * (1.0 / 24))));  // to 2e-10
+  return x * (1 - x * (0.5 - x * (1.0 / 6 - x * (1.0 / 24))));  // error up to 2e-10
 }
 
 /// The cubic through two values with slopes (per length of the step).
@@ -41,10 +41,10 @@ struct Cubic {
 
 struct VolumeTracer::Sample {
   double t = 0, value = 0, slope = 0, other = 0, other_slope = 0;  // slopes per picture length
-  Vec3 gradient;                                                   // that shades, per picture length
+  Vec3 gradient;                                                   // for shading, per picture length
   bool inside = true, shaded = false;
-  bool again = false;    // nearer to the sample before, the value was going elsewhere
-  bool on_face = false;  // where the ray has just come out of a gap
+  bool again = false;    // a closer position before it must be sampled first
+  bool on_face = false;  // the ray has just left a gap
   double gap = -1, gap_slope = 0;
   Vec3 gap_gradient;  // per picture length
   Vec3f light{1, 1, 1}, gloss;
@@ -52,22 +52,22 @@ struct VolumeTracer::Sample {
 
 struct VolumeTracer::Walk {
   Vec3 origin, direction;
-  Vec3f half;                           // between the ways to the key light and to the eye: the mirror's normal
+  Vec3f half;                           // half-way vector of key light and eye, for highlights
   std::uint32_t slot = 0;               // of the ray's answer
-  std::uint32_t stretch = 0, last = 0;  // the next one, and where they end
+  std::uint32_t stretch = 0, last = 0;  // the next one, and their end
   RayStretch now;
-  bool within = false, begun = false, started = false;  // in a stretch; at its begin; `before` holds
+  bool within = false, begun = false, started = false;  // in a stretch; at its begin; `before` is valid
   double t = 0;
-  double retry = 0;    // a place before t that is to be seen first; 0: none
-  int face_tries = 0;  // how often in a row that was for the face of a gap
+  double retry = 0;    // a position before t that must be sampled first; 0: none
+  int face_tries = 0;  // consecutive retries for the face of a gap
   Sample before;
-  std::optional<RayStretch> rest;     // of a stretch in which a surface stands: what is behind that
-  std::size_t layer = 0, layers = 0;  // the next of the surfaces, and where they end
+  std::optional<RayStretch> rest;     // part of a stretch behind a surface in it
+  std::size_t layer = 0, layers = 0;  // the next of the surfaces, and their end
   Vec3 light;
   double left = 1;
 };
 
-/// A surface in the way.
+/// A surface along the ray.
 struct VolumeTracer::Layer {
   double t = 0;
   Vec3f light;
@@ -77,7 +77,7 @@ struct VolumeTracer::Layer {
 
 struct VolumeTracer::Root {
   std::uint32_t walk = 0, iso = 0;
-  double low = 0, high = 0, low_value = 0, high_value = 0;  // bracket; values minus that of the iso-surface
+  double low = 0, high = 0, low_value = 0, high_value = 0;  // bracket; values minus the iso-value
   double d = 0;                                             // length of the step
   bool sure = false;                                        // both ends were evaluated: there is a root
   bool done = false, hit = false;
@@ -129,7 +129,7 @@ VolumeTracer::VolumeTracer(const TracedVolume& volume, const Camera& camera, con
       clear = clear && !(cells.range(c).least <= iso.value && iso.value <= cells.range(c).most);
     clear_[c] = clear;
   }
-  // Faces of gaps show values that are clear otherwise.
+  // Faces of gaps show values that are otherwise clear.
   if (volume.gap && options.clip_faces && options.opacity_factor == 0) {
     const double radius = 0.5 * norm(cells.edge());
     std::vector<Vec3> centers;
@@ -156,7 +156,7 @@ double VolumeTracer::step_at(std::size_t cell, double t) const {
   return std::max(std::min(step, most), 0.5 * footprint(t));
 }
 
-/// Goes on to the volume behind, through the surfaces on the way there; false: there is none, or nothing more to see.
+/// Advances to the next stretch, through the surfaces before it; false if there is none, or nothing more is visible.
 bool VolumeTracer::next_stretch(Walk& walk, const Scratch& s) const {
   const bool more = walk.rest || walk.stretch != walk.last;
   const RayStretch next = walk.rest ? *walk.rest : more ? s.stretches[walk.stretch] : RayStretch{};
@@ -175,7 +175,7 @@ bool VolumeTracer::next_stretch(Walk& walk, const Scratch& s) const {
   return true;
 }
 
-/// Finds out where the walk is to be evaluated next; false: it is at its end.
+/// Finds the next position of the walk; false at its end.
 bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
   for (;;) {
     if (!walk.within) {
@@ -194,7 +194,7 @@ bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
         return true;
       }
       double step = step_at(cell, at);
-      // A long step must not lead over what is fine in the next cell.
+      // A long step must not skip details in the next cell.
       const double way = volume_.cells->exit(cell, world(walk, at), walk.direction * volume_.frame.size);
       if (way < step && at + way < walk.now.end) {
         const double beyond = at + way + 1e-7;
@@ -203,7 +203,7 @@ bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
       walk.t = walk.now.end - at <= 1.01 * step ? walk.now.end : at + step;
       return true;
     }
-    // A leap over cells in which nothing is to be seen.
+    // Skips clear cells.
     double t = at;
     const Vec3 d = walk.direction * volume_.frame.size;
     while (clear_[cell] && t < walk.now.end) {
@@ -223,8 +223,8 @@ bool VolumeTracer::next_place(Walk& walk, const Scratch& scratch) const {
   }
 }
 
-/// Whether a step is too long for what the slopes at its ends say: flat cells at walls hide layers that are much
-/// thinner than samples are apart. Halving ends at a quarter of a pixel.
+/// Whether a step is too long for the slopes at its ends: flat cells at walls hide layers much thinner than the
+/// spacing. Halving ends at a quarter of a pixel.
 bool VolumeTracer::too_far(const Walk& walk, const Sample& now) const {
   const Sample& before = walk.before;
   const double d = now.t - before.t;
@@ -239,7 +239,7 @@ bool VolumeTracer::too_far(const Walk& walk, const Sample& now) const {
          kBent * other_range_;
 }
 
-/// Samples of all active walks at their places.
+/// Samples all active walks at their positions.
 std::size_t VolumeTracer::evaluate(Scratch& s) const {
   const std::size_t n = s.x.size();
   s.values.resize(n), s.gradients.resize(n), s.samples.resize(n);
@@ -276,7 +276,7 @@ void VolumeTracer::shade(const Walk& walk, Sample& sample, bool surface) const {
            Lighting::kKey * std::max(0.0f, dot(m, lighting_.key));
   };
   Vec3f lit = light(n);
-  // What glows has no side: at grazing angles both count, so that nothing jumps where the gradient turns away.
+  // Emission has no side: at grazing angles both count, so that shading is continuous where the gradient turns away.
   if (!surface && facing > -kGrazing) {
     const float other = 0.5f * (1 + facing / kGrazing) * (1 + facing / kGrazing);
     lit = mix(lit, light(-n), other);
@@ -316,21 +316,21 @@ void VolumeTracer::gap_face(Walk& walk, const Sample& sample) const {
   lay(walk, shoulder(product(color, face.light) + face.gloss), opacity);
 }
 
-/// Whether a gap may begin and end, or what is between two gaps, within a step, as the slopes at its ends say.
+/// Whether a gap, or the part between two gaps, may begin and end within a step, given the slopes at its ends.
 bool VolumeTracer::may_pass_face(const Walk& walk, const Sample& now) const {
   const Sample& before = walk.before;
   const double d = now.t - before.t;
   if ((before.gap > 0) != (now.gap > 0) || d < 0.5 * footprint(now.t)) return false;
-  const double side = now.gap > 0 ? -1 : 1;  // going up is towards a face
+  const double side = now.gap > 0 ? -1 : 1;  // a rising value approaches a face
   const double rise = side * before.gap_slope, fall = side * now.gap_slope;
   if (!(rise > 0) || !(fall < 0)) return false;
-  // Two lines meet where they would be highest.
+  // The intersection of the two tangents bounds the maximum.
   const double v0 = side * before.gap, v1 = side * now.gap;
   const double at = std::clamp((v1 - v0 - fall * d) / (rise - fall), 0.0, d);
   return v0 + rise * at > 0;
 }
 
-/// Where steps of this round lead into a gap or out of it: a sample beside the face is to be seen first.
+/// Where steps of this round enter or leave a gap, requests a sample beside the face.
 std::size_t VolumeTracer::find_faces(Scratch& s) const {
   struct Face {
     std::size_t i;
@@ -367,7 +367,7 @@ std::size_t VolumeTracer::find_faces(Scratch& s) const {
       }
       const double width = f.high - f.low;
       if (width < 0.25 * beside(f)) continue;
-      // The secant, a little beyond so that the face comes between; every third time the middle.
+      // The secant, slightly beyond the root to bracket the face; every third time the middle.
       const double share = std::clamp(f.low_gap / (f.low_gap - f.high_gap), 0.0, 1.0), more = 0.1 * beside(f) / width;
       f.t = f.low + width * (round % 3 == 2 ? 0.5 : std::clamp(share + (share < 0.5 ? more : -more), 0.02, 0.98));
       open[kept++] = open[n];
@@ -403,7 +403,7 @@ void VolumeTracer::absorb(Walk& walk, const Sample& a, const Sample& b, double f
                     b.other_slope * d * other_scale);
   const Cubic& dense = separate_ ? other : value;
 
-  // How bent the value is, how far it goes, and how much is absorbed say how many pieces are needed.
+  // The number of pieces follows from the bend of the value, its range, and the absorption.
   double u = dense(from);
   const double end = dense(to), span = std::abs(end - u);
   const double bend = (std::abs(dense.a) + std::abs(dense.b)) * (to - from) * (to - from);
@@ -428,7 +428,7 @@ void VolumeTracer::absorb(Walk& walk, const Sample& a, const Sample& b, double f
     const double steep =
         std::abs(un - u) > kFlat ? (dark_next.depth - dark.depth) / (un - u) : depths_.density(u).depth;
     if (steep > 0) {
-      // The mean colour of what glows between the two values.
+      // The mean emitted colour between the two values.
       TransferTable::Entry share{bright_next.depth - bright.depth, bright_next.red - bright.red,
                                  bright_next.green - bright.green, bright_next.blue - bright.blue};
       if (std::abs(vn - v) <= kFlat || share.depth == 0) share = colors_.density(v);
@@ -447,7 +447,7 @@ void VolumeTracer::absorb(Walk& walk, const Sample& a, const Sample& b, double f
   walk.left = left;
 }
 
-/// From one sample to the next, through the iso-surfaces between them.
+/// Proceeds from one sample to the next, through the iso-surfaces between them.
 void VolumeTracer::go_through(Walk& walk, Sample& a, Sample& b, std::span<Root> roots) const {
   if (!a.inside || !b.inside) return;
   const double d = b.t - a.t;
@@ -473,9 +473,9 @@ void VolumeTracer::go_through(Walk& walk, Sample& a, Sample& b, std::span<Root> 
   if (walk.left > options_.least_light) absorb(walk, a, b, at, 1);
 }
 
-/// Places where iso-surfaces cross the steps of this round; by walk and distance.
+/// Roots of the iso-surfaces in the steps of this round, by walk and distance.
 std::size_t VolumeTracer::find_roots(Scratch& s) const {
-  constexpr int kRootParts = 4;  // of a step that are looked at for a change of sign: a cubic has up to three roots
+  constexpr int kRootParts = 4;  // parts of a step that are tested for a change of sign: a cubic has up to three roots
   s.roots.clear();
   for (std::size_t i = 0; i < s.active.size(); ++i) {
     const Walk& walk = s.walks[s.active[i]];
@@ -494,7 +494,7 @@ std::size_t VolumeTracer::find_roots(Scratch& s) const {
           root.walk = static_cast<std::uint32_t>(i), root.iso = static_cast<std::uint32_t>(k);
           root.low = a.t + d * (p - 1) / kRootParts, root.high = p == kRootParts ? b.t : a.t + d * p / kRootParts;
           root.low_value = low, root.high_value = high, root.d = d;
-          // Of a single change the ends of the step are as good as those of the part, and known for certain.
+          // For a single change the ends of the step bracket as well as those of the part, and are evaluated.
           if ((a.value >= level) != (b.value >= level)) root.sure = true;
           s.roots.push_back(root);
         }
@@ -503,7 +503,7 @@ std::size_t VolumeTracer::find_roots(Scratch& s) const {
     }
   }
   if (s.roots.empty()) return 0;
-  // Changes of sign that only the cubic sees are one of several in their step: those are checked.
+  // Changes of sign of the cubic alone are one of several in their step: these are verified.
   std::size_t count = 0;
   std::vector<std::size_t> open;
   std::vector<Vec3> x, gradients;
@@ -566,7 +566,7 @@ std::size_t VolumeTracer::find_roots(Scratch& s) const {
   return count;
 }
 
-/// Where surfaces stand in the way of the rays, and how they look.
+/// Hits of the surfaces along the rays, and their appearance.
 void VolumeTracer::find_layers(const EyeRays& rays, Scratch& s) const {
   std::vector<std::size_t> first;
   std::vector<SurfacePoint> points;
