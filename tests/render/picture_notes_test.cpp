@@ -36,7 +36,7 @@ TEST(StrokeText, EveryCharacterDiffersFromEveryOther) {
     for (std::size_t k = 0; k < i; ++k)
       EXPECT_TRUE(seen[i].second.pixels != seen[k].second.pixels) << seen[i].first << ' ' << seen[k].first;
   }
-  EXPECT_TRUE(letter("ж").pixels == letter("ю").pixels);  // a box for what there is not
+  EXPECT_TRUE(letter("ж").pixels == letter("ю").pixels);  // a box for unsupported characters
   EXPECT_EQ(ink_of(letter(" ")), 0);
 }
 
@@ -55,7 +55,7 @@ TEST(StrokeText, InkGrowsWithSizeAndStaysWithinItsWidth) {
         }
     EXPECT_NEAR(right, 20 + stroke_width("Wq0", height), 0.12 * height + 1.5);
   }
-  // Beyond the picture nothing happens.
+  // Drawing beyond the picture has no effect.
   Image image(10, 10, kPaper);
   draw_strokes(image, -500, 1e6, 20, "far", kBlack);
   draw_line(image, std::nan(""), 0, 5, 5, 1, kBlack);
@@ -100,7 +100,7 @@ TEST(PictureNotes, BarShowsTheColoursInOrder) {
     EXPECT_NEAR(p[2], c.z, 0.01);
   }
   EXPECT_EQ(beside_value_bar(Image(100, 50, kPaper), f, "").width, 100);
-  // Lines at marks within the range, and nowhere else; nothing of the picture itself is covered.
+  // Lines only at marks within the range; the picture itself is not covered.
   const std::array<double, 2> marks{1, 7};
   const Image marked = beside_value_bar(Image(100, 300, kPaper), f, "velocity [m/s²]", marks);
   for (int y = 0; y < 300; ++y) {
@@ -156,7 +156,7 @@ TEST(PictureNotes, StandAroundTheVolumeAndLeaveItAlone) {
       }
     }
   EXPECT_GT(covered, 5000u);
-  EXPECT_LT(changed, covered / 40);  // where ticks touch its rim
+  EXPECT_LT(changed, covered / 40);  // where ticks touch its border
   EXPECT_GT(inked, 500u);
   options.title = "A cube\nof one value";
   EXPECT_TRUE(picture.render(options, progress).pixels != noted.pixels);
@@ -177,7 +177,7 @@ TEST(ValueBar, EndsArePointedWhereThereIsMore) {
       for (int x = 60; x < image.width; ++x) count += std::abs(image.at(x, y)[0] - image.at(x, y)[2]) > 0.5f;
     return count;
   };
-  // The bar itself reaches from a fifth of the height to four fifths.
+  // The bar extends from a fifth to four fifths of the height.
   EXPECT_EQ(colored(plain, 0, 39), 0);
   EXPECT_EQ(colored(plain, 161, 200), 0);
   EXPECT_GT(colored(above, 0, 39), 15);
@@ -187,7 +187,7 @@ TEST(ValueBar, EndsArePointedWhereThereIsMore) {
 }
 
 TEST(ScaleBar, IsAsLongAsItSays) {
-  // A picture that is 8 wide in the world, 10 pixels for each.
+  // A picture with a width of 8 in the world, 10 pixels per unit.
   Camera camera;
   camera.parallel = true;
   camera.right = {1, 0, 0}, camera.up = {0, 1, 0}, camera.backward = {0, 0, 1};
@@ -201,7 +201,7 @@ TEST(ScaleBar, IsAsLongAsItSays) {
         first = std::min(first, x), last = std::max(last, x);
     EXPECT_NEAR(last - first, 200, 4) << "2 of 8, or 0.2 of 0.8";
   }
-  // In perspective there is no one scale.
+  // In perspective there is no single scale.
   camera.parallel = false;
   Image image(800, 640, kPaper);
   draw_scale_bar(image, {{0, 0, 0}, 8}, camera, 1, "mm");
