@@ -53,9 +53,8 @@ const OptionSchema& ViewOptions::schema() {
       option<&O::azimuth>({.text = "Degrees around the up axis; 0: the front", .unit = "degrees", .from_data = "35"}),
       option<&O::elevation>({.text = "Degrees above the horizon", .unit = "degrees", .from_data = "20"}),
       option<&O::z_up>({.text = "The z axis points up, not y"}),
-      option<&O::crop>({.text = "Part of the picture, LEFT,TOP,WIDTH,HEIGHT in pixels, or what is not background",
-                        .unit = "part",
-                        .implied = kContent})};
+      option<&O::crop>(
+          {.text = "Crop to LEFT,TOP,WIDTH,HEIGHT in pixels, or to the content", .unit = "part", .implied = kContent})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }

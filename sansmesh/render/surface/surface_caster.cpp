@@ -330,7 +330,7 @@ void SurfaceCaster::feet(std::span<Vec3f> positions, std::span<Vec3f> normals) c
 namespace {
 
 constexpr ReportRow kCastCountsRows[] = {
-    reported<&CastCounts::rays>({.name = "cast", .text = "Rays that were cast"}),
+    reported<&CastCounts::rays>({.name = "cast", .text = "Rays cast"}),
     reported<&CastCounts::hits>({.name = "hit", .text = "Rays that hit the surface"}),
     reported<[](const CastCounts& r) { return r.hit_evaluations + r.miss_evaluations; }>(
         {.name = "evaluations", .text = "Evaluations of the surface for these"})};

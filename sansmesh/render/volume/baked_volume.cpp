@@ -604,10 +604,10 @@ void BakedVolume::ranges(std::span<const Box3> boxes, std::span<ValueRange> foun
 namespace {
 
 constexpr ReportRow kBakeReportRows[] = {
-    reported<&BakeReport::bricks>({.text = "Bricks that the field was baked into"}),
+    reported<&BakeReport::bricks>({.text = "Bricks of the baked field"}),
     reported<&BakeReport::bytes>({.text = "Memory of the bricks", .unit = "bytes"}),
-    reported<&BakeReport::finished>({.text = "Whether they are as fine as was asked for"}),
-    reported<&BakeReport::checked>({.text = "Places at which errors were found"}),
+    reported<&BakeReport::finished>({.text = "Whether the refinement is complete"}),
+    reported<&BakeReport::checked>({.text = "Points of the error estimate"}),
     reported<&BakeReport::error_mean>({.text = "Mean error there", .unit = "share of the range"}),
     reported<&BakeReport::error_most>({.text = "Largest error there", .unit = "share of the range"})};
 

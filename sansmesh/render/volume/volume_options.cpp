@@ -160,16 +160,15 @@ const OptionSchema& VolumePictureOptions::schema() {
       option<&O::isos>({.text = "Surface of a value: V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated",
                         .unit = "value",
                         .name = "iso"}),
-      option<&O::clips, CutWords>({.text = "Takes away what is there: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated",
-                                   .unit = "place",
-                                   .name = "clip",
-                                   .old_name = "cut"}),
-      option<&O::clip_faces>(
-          {.text = "Faces of what `clip` takes away stay as clear as what is behind them", .old_name = "no_cut_faces"}),
-      option<&O::shading>({.text = "Colours as the transfer function has them, without light"}),
-      option<&O::color_title>(
-          {.text = "Of the colour bar: what is shown", .from_data = "the array's name", .name = "label"}),
-      option<&O::title>({.text = "Above the picture"})};
+      option<&O::clips, CutWords>(
+          {.text = "Removes a half-space or slab: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated",
+           .unit = "place",
+           .name = "clip",
+           .old_name = "cut"}),
+      option<&O::clip_faces>({.text = "Faces of `clip` do not show their values", .old_name = "no_cut_faces"}),
+      option<&O::shading>({.text = "Plain colours of the transfer function, without light"}),
+      option<&O::color_title>({.text = "Title of the colour bar", .from_data = "the array's name", .name = "label"}),
+      option<&O::title>({.text = "Title above the picture"})};
   static const OptionSchema schema{rows};
   return schema;
 }

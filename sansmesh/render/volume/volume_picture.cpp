@@ -424,8 +424,8 @@ constexpr ReportRow kVolumePictureReportRows[] = {
     reported<[](const VolumePictureReport& r) { return told_if(!r.why.empty(), r.why); }>(
         {.name = "why", .text = "Reason for these colours, if they were chosen"}),
     reported<&VolumePictureReport::rays>({.text = "Rays"}),
-    reported<&VolumePictureReport::evaluations>({.text = "Evaluations for these"}),
-    reported<&VolumePictureReport::notes>({.text = "What may not be as wished"})};
+    reported<&VolumePictureReport::evaluations>({.text = "Evaluations of the field"}),
+    reported<&VolumePictureReport::notes>({.text = "Remarks on the result"})};
 
 }  // namespace
 
