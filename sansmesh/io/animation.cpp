@@ -68,7 +68,7 @@ void filter_row(const std::vector<std::uint8_t>& row, const std::vector<std::uin
 }  // namespace
 
 Animation::Animation(double frames_per_second, unsigned loops) : rate_(frames_per_second), loops_(loops) {
-  if (!(frames_per_second >= 0.01 && frames_per_second <= 1000)) throw ArgumentError("`fps` must lie in 0.01..1000");
+  if (!(frames_per_second >= 0.01 && frames_per_second <= 1000)) throw ArgumentError("`fps` must be in 0.01..1000");
 }
 
 void Animation::add(const Image& picture) {

@@ -56,23 +56,23 @@ std::string reason_of(int error) {
     case ENOENT:
       return "its folder does not exist";
     case ENOTDIR:
-      return "its folder is not a folder";
+      return "its folder is a file";
     case EISDIR:
       return "it is a directory";
     case ENOSPC:
       return "the disk is full";
     case EDQUOT:
-      return "the disk is full: no more is granted to this user";
+      return "the disk quota of this user is exceeded";
     case EFBIG:
-      return "it is larger than files may be here, see ulimit -f";
+      return "it exceeds the size limit of files, see ulimit -f";
     case EROFS:
       return "the file system is read-only";
     case ENAMETOOLONG:
       return "its name is too long";
     case ELOOP:
-      return "its symbolic links go round in a circle";
+      return "its symbolic links form a loop";
     case EPIPE:
-      return "nobody reads it any more";
+      return "its reader is gone";
     default:
       return std::strerror(error);
   }

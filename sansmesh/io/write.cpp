@@ -49,7 +49,7 @@ const FormatInfo& find_writer(FormatContent content, const std::string& file, co
 /// Throws ArgumentError unless an optional per-vertex array is empty or complete.
 void check_length(const char* what, std::size_t length, std::size_t n) {
   if (length != 0 && length != n) {
-    throw ArgumentError(fmt::format("{} {} for {} points: there must be none or one for each", length, what, n));
+    throw ArgumentError(fmt::format("{} {} for {} points: either none or one per point is required", length, what, n));
   }
 }
 
@@ -67,8 +67,8 @@ void check_reach(const std::string& file, std::span<const Vec3f> positions, cons
       },
       [](double a, double b) { return std::max(a, b); });
   if (far > kLargestCoordinate)
-    throw FileError(file, fmt::format("would reach out to {:.3g}, and coordinates up to {:g} are supported", far,
-                                      kLargestCoordinate));
+    throw FileError(
+        file, fmt::format("would have coordinates up to {:.3g}; at most {:g} is supported", far, kLargestCoordinate));
 }
 
 template <class Triangles>
@@ -124,7 +124,7 @@ void write_lines(const std::string& file, const PolylineSet& lines, const WriteO
   const auto& writer = find_writer(kLines, file, "lines");
   if (lines.offsets.empty() || lines.offsets.front() != 0 || lines.offsets.back() != lines.positions.size() ||
       !std::is_sorted(lines.offsets.begin(), lines.offsets.end()))
-    throw ArgumentError("lines must begin where those before them end");
+    throw ArgumentError("each line must begin at the end of the previous one");
   lines.attributes.check_rows(lines.positions.size(), "points");
   lines.line_attributes.check_rows(lines.size(), "lines");
   io::write_whole(file, writer.write_lines(lines, options));

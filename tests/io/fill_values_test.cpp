@@ -110,7 +110,7 @@ TEST(FillValues, AWideRangeDoesNotHideManyOfThem) {
   GridData data = with_fills(-800, 1300);
   const std::vector<std::string> lines = mark_fill_values(data, {});
   ASSERT_EQ(lines.size(), 1u);
-  EXPECT_EQ(lines[0], "-999 occurs 100 times in s, and may stand for missing values: `fill_value` says so");
+  EXPECT_EQ(lines[0], "-999 occurs 100 times in s and may mark missing values: then set `fill_value`");
   EXPECT_EQ(missing(data), 0u);
 }
 

@@ -126,7 +126,7 @@ TEST(LasAttributes, OfExtraBytes) {
     file.variable_count = 3;
     ReadReport report;
     const PointSet p = read_points(folder.put("a.las", file.bytes()), &report);
-    EXPECT_EQ(report.warnings, std::vector<std::string>{"'intensity' is there twice: the second one was left out"});
+    EXPECT_EQ(report.warnings, std::vector<std::string>{"'intensity' occurs twice: the second one was left out"});
     const auto& amplitude = *p.attributes.find<double>("Amplitude");
     const auto& reflectance = *p.attributes.find<float>("Reflectance");
     const auto& tilt = *p.attributes.find<double>("tilt");

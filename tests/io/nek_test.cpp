@@ -190,13 +190,13 @@ TEST(Nek5000, PartsOfAStepHaveTheSameFieldsAndAllElements) {
   EXPECT_EQ(read_volume(series).blocks[0].points.size(), 24u);
   // As many numbers per point, of other fields.
   put("XPS02", "XPTS01", {2}, 2);
-  refused("flow1.f00001", "laid out otherwise");
+  refused("flow1.f00001", "has another layout");
   put("XP", "XT", {2}, 2);
-  refused("flow1.f00001", "laid out otherwise");
+  refused("flow1.f00001", "has another layout");
   put("XU", "XPT", {2}, 2);
-  refused("flow1.f00001", "laid out otherwise");
+  refused("flow1.f00001", "has another layout");
   put("XP", "XP", {2}, 3);
-  refused("flow1.f00001", "laid out otherwise");
+  refused("flow1.f00001", "has another layout");
   put("XP", "XP", {1}, 2);
   refused("flow0.f00001", "holds 1 of 2 elements");
   NekLayout one;
@@ -252,7 +252,7 @@ TEST(Nek5000, WhatIsWrongIsSaidInOneLine) {
   l.fields = "XQ";
   expect_no_volume(folder.put("flow0.f00001", nek_file(l)), "'Q'");
   l.fields = "XS";
-  expect_no_volume(folder.put("flow0.f00001", nek_file(l)), "how many scalars");
+  expect_no_volume(folder.put("flow0.f00001", nek_file(l)), "no number of scalars");
   l.fields = "UPT";
   expect_no_volume(folder.put("flow0.f00001", nek_file(l)), "no coordinates");
   NekLayout many;
@@ -263,7 +263,7 @@ TEST(Nek5000, WhatIsWrongIsSaidInOneLine) {
   const std::string too_many = fmt::format(" {}", std::uint64_t{1} << 62), behind = lies.substr(26);
   std::string overflowing = lies.substr(0, 15) + too_many + behind;
   overflowing.erase(127, overflowing.size() - lies.size());
-  expect_no_volume(folder.put("flow0.f00001", overflowing), "more numbers than there can be");
+  expect_no_volume(folder.put("flow0.f00001", overflowing), "an impossible number of values");
 
   const auto series = [&](const std::string& text) { return folder.put("a.nek5000", text); };
   expect_no_volume(series("nothing\n"), "filetemplate");

@@ -97,7 +97,7 @@ TEST(Batches, AFileThatIsTooLargeTakesTheOthersWithIt) {
     ::setrlimit(RLIMIT_FSIZE, &limit);
     OutputBatch batch;
     write_text(folder / "first.txt", "new");
-    expect_file_error(folder / "large.txt", "larger than files may be here",
+    expect_file_error(folder / "large.txt", "exceeds the size limit",
                       [&] { write_text(folder / "large.txt", std::string(2000, 'x')); });
   }));
   EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
@@ -315,7 +315,7 @@ TEST_F(Pipes, ThatNobodyReadsAnyMoreAreAnError) {
     ::close(fd);
   });
   // SIGPIPE would end this program.
-  expect_file_error(pipe(), "nobody reads it any more", [&] { write_text(pipe(), std::string(1 << 20, 'x')); });
+  expect_file_error(pipe(), "its reader is gone", [&] { write_text(pipe(), std::string(1 << 20, 'x')); });
 }
 
 /// Like standard output by the name /dev/stdout.
@@ -325,7 +325,7 @@ TEST_F(Pipes, ThatAreDescriptorsOfOursAreWrittenWhoeverReads) {
   const std::string name = "/proc/self/fd/" + std::to_string(writer);
   ::close(reader);
   const Patience patience;
-  expect_file_error(name, "nobody reads it any more", [&] { write_text(name, "x"); });
+  expect_file_error(name, "its reader is gone", [&] { write_text(name, "x"); });
   ::close(writer);
 }
 

@@ -282,7 +282,7 @@ TEST(VolumeFiles, SeriesOfFilesHaveTimes) {
   EXPECT_EQ(number(second.blocks[0].point_arrays, "value", 0), 2);
   EXPECT_THROW(read_volume(file, {.time_step = 2}), ArgumentError);
   for (std::size_t n = 1; n < text.size(); n += 7)
-    expect_no_volume(folder.put("all.mha.series", text.substr(0, n)), "is no series of files");
+    expect_no_volume(folder.put("all.mha.series", text.substr(0, n)), "is not a series of files");
   const auto refused = [&](const std::string& content, const std::string& why) {
     expect_no_volume(folder.put("bad.series", content), why);
   };

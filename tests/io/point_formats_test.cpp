@@ -73,7 +73,7 @@ TEST_F(Table, FurtherColumnsHaveTheTypeThatHoldsThem) {
   EXPECT_EQ(t.find("v")->number(3), 5);
   const auto& with_unit = *t.find<double>("Case [K]");
   EXPECT_TRUE(with_unit[0] == 1.5 && std::isnan(with_unit[1]));
-  EXPECT_EQ(report_.warnings, (std::vector<std::string>{"'whole' is there twice: the second one was left out"}));
+  EXPECT_EQ(report_.warnings, (std::vector<std::string>{"'whole' occurs twice: the second one was left out"}));
 }
 
 TEST_F(Table, WordsThatBeginWithNumbersAreNone) {
@@ -174,7 +174,7 @@ TEST_F(Table, NotFinite) {
   EXPECT_EQ(p.positions, (Positions{{1, 2, 3}, {4, 5, 6}}));
   ASSERT_EQ(report_.warnings.size(), 2u);
   EXPECT_EQ(report_.warnings[0], "3 of 6 points are not finite and were left out");
-  EXPECT_EQ(report_.warnings[1], "1 of 6 points lie farther than 1e+18 from zero and were left out");
+  EXPECT_EQ(report_.warnings[1], "1 of 6 points are farther than 1e+18 from zero and were left out");
   refuse("nan nan nan\nnan nan nan\n", "no points with finite coordinates");
   refuse("1e30 0 0\n0 1e30 0\n", "no points that can be used: 2 of 2 lie farther than 1e+18 from zero");
   refuse("1e30 0 0\nnan 0 0\n", "1 of 2 lies farther than 1e+18 from zero, the others are not finite");
@@ -361,8 +361,8 @@ TEST(Conf, ScansThatAreNotThereAreNamedAndLeftOut) {
                                             "bmesh a.ply 0 5 0 0 0 0 1\n"),
                                  &report);
   EXPECT_EQ(report.format, "Stanford alignment of 2 of 4 scans");
-  EXPECT_EQ(report.warnings, (std::vector<std::string>{"names the scan gone.ply, which is not there: left out",
-                                                       "names the scan sub/gone.ply, which is not there: left out"}));
+  EXPECT_EQ(report.warnings, (std::vector<std::string>{"names the scan gone.ply, which does not exist: left out",
+                                                       "names the scan sub/gone.ply, which does not exist: left out"}));
   ASSERT_EQ(p.size(), 8u);
   EXPECT_EQ(p.scan_of_point, (std::vector<std::uint16_t>{0, 0, 0, 0, 1, 1, 1, 1}));
   EXPECT_EQ(p.scanners.size(), 2u);

@@ -163,8 +163,8 @@ TEST_F(SectionFiles, ThroughATextFilter) {
       s.replace(at, from.size(), to);
     return s;
   };
-  expect_bad(replaced(good, "\r\n", "\n"), "ends of lines");
-  expect_bad(replaced(good, "\n", "\r\n"), "ends of lines");
+  expect_bad(replaced(good, "\r\n", "\n"), "line ends");
+  expect_bad(replaced(good, "\n", "\r\n"), "line ends");
 }
 
 TEST_F(SectionFiles, OtherFiles) {

@@ -316,7 +316,7 @@ TEST(VegaReader, MaterialsAndFilesInFiles) {
   expect_no_volume(folder.put("c.veg", none), "the set 'skin'");
   std::string misspelt = vega_text();
   misspelt.replace(misspelt.find("allElements, soft"), 17, "allElements, sfot");
-  expect_no_volume(folder.put("d.veg", misspelt), "the material 'sfot', which is not there");
+  expect_no_volume(folder.put("d.veg", misspelt), "the missing material 'sfot'");
   for (const char* const wrong : {"1000, -5, 0.45", "0, 2.5e5, 0.45", "1000, 2.5e5, 0.5", "1000, 2.5e5, nan"}) {
     std::string material = vega_text();
     material.replace(material.find("1000, 2.5e5, 0.45"), 17, wrong);
@@ -331,7 +331,7 @@ TEST(VegaReader, MaterialsAndFilesInFiles) {
   }
   folder.put("bomb7.veg", "# nothing\n");
   expect_no_volume(folder / "bomb0.veg", "more than 1000 files");
-  expect_no_volume(folder.put("e.veg", "*VERTICES\n1 3 0 0\n1 0 0 0\n*SHELLS\n"), "'*SHELLS' is not known");
+  expect_no_volume(folder.put("e.veg", "*VERTICES\n1 3 0 0\n1 0 0 0\n*SHELLS\n"), "unknown section '*SHELLS'");
 }
 
 TEST(VertexLists, CommasBlanksAndComments) {
@@ -411,7 +411,7 @@ TEST(MeshReaders, SayWhatIsWrong) {
   expect_no_volume(folder.put("d.mesh", medit.replace(medit.find("Tetrahedra\n2\n1"), 14, "Tetrahedra\n2\n6")),
                    "the point 6");
   expect_no_volume(folder.put("e.mesh", "MeshVersionFormatted 1\nDimension 3\nVertices\n1\n0 0 zero 0\n"),
-                   "line 5: 'zero' is no number");
+                   "line 5: 'zero' is not a number");
   expect_no_volume(folder.put("f.mesh", "MeshVersionFormatted 1\nDimension 3\nVertices\n900000\n0 0 0 0\n"),
                    "truncated");
   // Undeclared rows and columns, and invalid numbers.
@@ -419,9 +419,9 @@ TEST(MeshReaders, SayWhatIsWrong) {
       "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n{}$EndNodes\n"
       "$Elements\n1\n1 4 0 1 2 3 4\n{}$EndElements\n";
   EXPECT_NO_THROW(read_volume(folder.put("t.msh", fmt::format(fmt::runtime(gmsh), "", ""))));
-  expect_no_volume(folder.put("t.msh", fmt::format(fmt::runtime(gmsh), "5 1 1 1\n", "")), "more in its $Nodes");
+  expect_no_volume(folder.put("t.msh", fmt::format(fmt::runtime(gmsh), "5 1 1 1\n", "")), "more data in its $Nodes");
   expect_no_volume(folder.put("t.msh", fmt::format(fmt::runtime(gmsh), "", "2 4 0 1 2 4 3\n")),
-                   "more in its $Elements");
+                   "more data in its $Elements");
   expect_no_volume(folder.put("h.node", tetgen_nodes(1) + "6 1 1 1 0 0\n"), "more points than its header");
   std::string columns = tetgen_nodes(1);
   columns.insert(columns.find("\n2 "), " 5");

@@ -445,7 +445,7 @@ TEST(VtkVolumes, DicomFoldersOfUnlikeOrDamagedSlicesAreRefused) {
   const Folder folder;
   put_slices(folder, {}, {0, 1, 2});
   const std::string twice = folder.put("ct/more.dcm", dicom_slice({}, 7, 1, 7));
-  expect_no_volume(folder / "ct", "several slices at one place");
+  expect_no_volume(folder / "ct", "several slices at one position");
   folder.put("ct/more.dcm", dicom_slice(oblique_plan(), 7, 9, 7));
   expect_no_volume(folder / "ct", "different sizes or directions");
   SlicePlan wide;
@@ -552,7 +552,7 @@ TEST(VtkVolumes, DamagedFilesAreErrors) {
   const std::string exodus = slurp(source_file("tests/data/two_hexes.ex2"));
   for (std::size_t n = 4; n + 4 < exodus.size(); n += 40)
     EXPECT_FALSE(volume_readable(folder.put("e.ex2", exodus.substr(0, n)))) << n;
-  expect_no_volume(folder.put("a.vtu", vtk_file("Table", "<Table></Table>\n")), "no volume");
+  expect_no_volume(folder.put("a.vtu", vtk_file("Table", "<Table></Table>\n")), "not a volume");
   expect_no_volume(folder.put("a.vti", "not XML"), "ending says");
   expect_no_volume(folder.put("a.case", "FORMAT\n"), "");
   expect_no_volume(folder.put("a.cgns", std::string(200, 'x')), "");

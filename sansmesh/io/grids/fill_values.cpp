@@ -289,7 +289,8 @@ std::string line_of(const Occurrence& o) {
 
 void FillValueOptions::validate() const {
   for (const double v : values)
-    if (!std::isfinite(v)) throw ArgumentError("`fill_value` must be finite: numbers that are not are missing anyway");
+    if (!std::isfinite(v))
+      throw ArgumentError("`fill_value` must be finite: non-finite numbers always count as missing");
 }
 
 std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions& options) {
@@ -302,9 +303,8 @@ std::vector<std::string> mark_fill_values(GridData& data, const FillValueOptions
     std::vector<Candidate> doubtful;
     const std::vector<Candidate> fills = searcher.search(parts, doubtful);
     for (const Candidate& c : doubtful)
-      doubts.push_back(
-          fmt::format("{:.6g} occurs {} times in {}, and may stand for missing values: `fill_value` says so", c.value,
-                      grouped(c.count), printable(parts.name, 60)));
+      doubts.push_back(fmt::format("{:.6g} occurs {} times in {} and may mark missing values: then set `fill_value`",
+                                   c.value, grouped(c.count), printable(parts.name, 60)));
     if (fills.empty()) continue;
     std::vector<std::size_t> rows(fills.size(), 0);
     std::size_t all = 0;

@@ -53,7 +53,7 @@ bool HeaderFields::flag(std::initializer_list<std::string_view> names) const {
 }
 
 std::string beside(const Input& in, std::string_view name) {
-  if (name.size() > 1024) in.fail(fmt::format("names a file by {} characters", grouped(name.size())));
+  if (name.size() > 1024) in.fail(fmt::format("names a file with {} characters", grouped(name.size())));
   return (std::filesystem::path(in.file).parent_path() / std::filesystem::path(name)).string();
 }
 

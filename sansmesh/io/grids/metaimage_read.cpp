@@ -62,7 +62,7 @@ MetaHeader read_meta_header(const Input& in) {
     }
     header.fields.set(name, value);
   }
-  in.fail("truncated or not a MetaImage: its header does not say where the numbers are (ElementDataFile)");
+  in.fail("truncated or not a MetaImage: its header does not locate the numbers (ElementDataFile)");
 }
 
 ImageLayout meta_layout(const HeaderFields& fields, std::size_t n, const std::vector<double>& sizes) {
@@ -169,7 +169,7 @@ GridData read_metaimage(const Input& in, std::size_t step) {
     const std::uint64_t needed = count * size_of(*type);
     if (bytes.size() < needed) data.fail_short(needed, bytes.size());
     if (bytes.size() > needed)
-      in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(bytes.size() - needed)));
+      in.warn(fmt::format("{} bytes after the numbers are ignored", grouped(bytes.size() - needed)));
     values = decode_values(bytes.data() + step * of_step * size_of(*type), of_step, *type, big);
   }
   GridData result;

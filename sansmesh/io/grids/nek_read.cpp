@@ -67,10 +67,10 @@ void parse_nek_fields(const Input& in, std::string_view code, NekHeader& h) {
     } else if (code[k] == 'T') {
       h.temperature = true;
     } else if (TextScanner digits(code.substr(std::min(k + 1, code.size()), 2)); code[k] == 'S') {
-      if (!digits.number(h.scalars)) in.fail("its header does not say how many scalars there are");
+      if (!digits.number(h.scalars)) in.fail("its header has no number of scalars");
       k = static_cast<std::size_t>(digits.position() - code.data()) - 1;
     } else {
-      in.fail(fmt::format("its header names a field that is not known: '{}'", code.substr(k, 1)));
+      in.fail(fmt::format("its header names an unknown field: '{}'", code.substr(k, 1)));
     }
   }
 }
@@ -117,17 +117,16 @@ class NekFile {
     const std::uint64_t field = h_.points() * h_.real;
     std::uint64_t needed = kNekHeader + 4;
     constexpr std::uint64_t kMost = std::uint64_t{1} << 60;
-    if (h_.elements > kMost) in.fail("its header gives more numbers than there can be");
+    if (h_.elements > kMost) in.fail("its header gives an impossible number of values");
     if (h_.elements > in.bytes.size() / 4) in.fail_short(h_.elements * 4 + needed, in.bytes.size(), true);
     needed += 4 * h_.elements;
     if (field * h_.numbers() > 0 && h_.elements > kMost / (field * h_.numbers()))
-      in.fail("its header gives more numbers than there can be");
+      in.fail("its header gives an impossible number of values");
     needed += h_.elements * field * h_.numbers();
     if (in.bytes.size() < needed) in.fail_short(needed, in.bytes.size());
     // In 3-D files, the least and greatest value of each field in each element may follow.
     const std::uint64_t more = in.bytes.size() - needed, bounds = h_.elements * 8 * h_.numbers();
-    if (more != 0 && more != bounds)
-      in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(more)));
+    if (more != 0 && more != bounds) in.warn(fmt::format("{} bytes after the numbers are ignored", grouped(more)));
   }
 
   void append_to(NekFields<T>& all) {
@@ -224,7 +223,7 @@ NekFields<T> read_nek_step(const NekStep& step, const NekHeader& first, ReadRepo
     const FileContent content(name);
     const Input in{name, content.bytes(), report};
     const NekHeader h = parse_nek_header(in);
-    if (!h.laid_out_as(first)) in.fail("is laid out otherwise than the first part of its step");
+    if (!h.laid_out_as(first)) in.fail("has another layout than the first part of its step");
     NekFile<T>(in, h).append_to(all);
   }
   check_nek_elements(step.file(0), first, all.elements);
@@ -397,7 +396,7 @@ GridData read_nek_series(const Input& in, std::size_t wanted) {
   for (std::int64_t k = 0; k < series.steps; ++k) {
     NekStep step(in, series.pattern, series.first + k);
     if (k > 0 && !std::filesystem::exists(step.file(0), ignored)) {
-      in.warn(fmt::format("announces {} steps, but there are files of {}", series.steps, k));
+      in.warn(fmt::format("announces {} steps, but only {} have files", series.steps, k));
       break;
     }
     steps.push_back(look_at_nek_step(in, step));
@@ -409,7 +408,7 @@ GridData read_nek_series(const Input& in, std::size_t wanted) {
   std::size_t mesh = wanted;
   while (mesh > 0 && !steps[mesh].checked().places) --mesh;
   const NekHeader& mesh_header = steps[mesh].checked();
-  if (!mesh_header.places) in.fail("none of its steps up to the one wanted has coordinates");
+  if (!mesh_header.places) in.fail("no step up to the requested one has coordinates");
   if (mesh_header.real != header.real) in.fail("its steps have numbers of different sizes");
   const auto read = header.real == 8 ? nek_step<double> : nek_step<float>;
   GridData data = read(in, steps[wanted].step, header, steps[mesh].step, mesh_header);

@@ -255,7 +255,7 @@ std::string nrrd_unhex(const Input& in, std::string_view text) {
                   : c >= 'a' && c <= 'f' ? c - 'a' + 10
                   : c >= 'A' && c <= 'F' ? c - 'A' + 10
                                          : -1;
-    if (v < 0) in.fail("its hexadecimal numbers hold something else");
+    if (v < 0) in.fail("its hexadecimal numbers contain other characters");
     if (high < 0) {
       high = v;
     } else {
@@ -279,7 +279,7 @@ GridData read_nrrd(const Input& in, std::size_t step) {
   if (const std::string* const text = fields.find({"space directions"})) directions = nrrd_vectors(in, *text);
   const auto n = fields.whole({"dimension"});
   if (!directions.empty() && (!n || static_cast<std::int64_t>(directions.size()) != *n))
-    in.fail("its header gives other than one space direction for each axis");
+    in.fail("its header must give one space direction for each axis");
   const NrrdAxes axes = nrrd_axes(in, fields, directions);
   std::uint64_t count = 1;
   for (const std::size_t s : axes.sizes) count = checked_product(in, {count, s});
@@ -343,7 +343,7 @@ GridData read_nrrd(const Input& in, std::size_t step) {
     const std::uint64_t needed = count * size_of(*type);
     if (bytes.size() < needed) data.fail_short(needed, bytes.size());
     if (bytes.size() > needed)
-      in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(bytes.size() - needed)));
+      in.warn(fmt::format("{} bytes after the numbers are ignored", grouped(bytes.size() - needed)));
     const std::string* const endian = fields.find({"endian"});
     if (!endian && size_of(*type) > 1 && encoding != "hex") in.fail("its header gives no byte order (endian)");
     // NOLINTNEXTLINE(bugprone-suspicious-stringview-data-usage): bytes for `count` numbers are there

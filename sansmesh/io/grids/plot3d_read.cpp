@@ -292,8 +292,7 @@ P3dLayout p3d_value_layout(const Input& in, const P3dFile& file, P3dContent cont
       if (l.dims != grid.dims || l.text != grid.text || l.marks != grid.marks || l.big != grid.big ||
           l.real != grid.real || l.multi != grid.multi || l.flat != grid.flat)
         continue;
-      if (!l.text)
-        in.warn(fmt::format("{} bytes behind the numbers are not looked at", grouped(in.bytes.size() - l.end)));
+      if (!l.text) in.warn(fmt::format("{} bytes after the numbers are ignored", grouped(in.bytes.size() - l.end)));
       return l;
     }
   }
@@ -331,7 +330,7 @@ std::string plot3d_solution_of(const std::string& grid) {
 GridData read_plot3d(const Input& in, const std::string& solution) {
   const P3dFile file(in.bytes);
   if (file.layouts(P3dContent::grid).empty() && !file.layouts(P3dContent::solution).empty())
-    in.fail("is the solution of a PLOT3D grid: name the file of the grid, say flowxyz.bin of flowq.bin");
+    in.fail("is the solution of a PLOT3D grid: name the file of the grid, for example flowxyz.bin for flowq.bin");
   const P3dLayout l = p3d_layout(in, file, P3dContent::grid, "grid");
   const std::string values = solution.empty() ? plot3d_solution_of(in.file) : solution;
 

@@ -55,7 +55,7 @@ std::string vtk_xml_type(const Input& in) {
   double version = 0;
   io::TextScanner text((*tag)["version"]);
   if ((type.ends_with("AMR") || type.ends_with("HierarchicalBoxDataSet")) && (!text.number(version) || version < 1.1))
-    in.fail("holds levels in a version of the format before 1.1, which is not supported: write it anew by ParaView");
+    in.fail("holds levels in a version of the format before 1.1, which is not supported: write it again with ParaView");
   return type;
 }
 

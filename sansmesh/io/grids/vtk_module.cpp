@@ -58,7 +58,7 @@ VtkReadFunction find_module(std::string& why_not) {
     if (std::filesystem::exists(place, ignored)) return open_module(place.string(), why_not);
   }
   why_not =
-      "needs VTK's readers, which are not there: `scripts/install-deps volume`, then build with SANSMESH_BUILD_VTK "
+      "needs VTK's readers, which are not installed: `scripts/install-deps volume`, then build with SANSMESH_BUILD_VTK "
       "(./run volume … does both)";
   return nullptr;
 }

@@ -146,9 +146,10 @@ void check_raw(const std::string& file) {
   std::ifstream header(file);
   for (std::string line; std::getline(header, line);)
     if (line.starts_with("ElementDataFile") && line.ends_with(raw.filename().string())) return;
-  throw FileError(raw.string(), fmt::format("is there already and belongs to no {}: another name is needed, or .mha, "
-                                            "which holds header and numbers",
-                                            std::filesystem::path(file).filename().string()));
+  throw FileError(
+      raw.string(),
+      fmt::format("already exists and belongs to no {}: choose another name, or .mha, which holds header and numbers",
+                  std::filesystem::path(file).filename().string()));
 }
 
 }  // namespace

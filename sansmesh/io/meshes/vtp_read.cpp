@@ -341,8 +341,8 @@ class VtpReader {
   void count_taken(std::uint64_t bytes) {
     taken_ += bytes;
     if (taken_ > in_.bytes.size())
-      in_.fail(fmt::format("malformed VTP: its arrays lie on each other: they take at least {} of its {} bytes",
-                           grouped(taken_), grouped(in_.bytes.size())));
+      in_.fail(fmt::format("malformed VTP: its arrays overlap: they take at least {} of its {} bytes", grouped(taken_),
+                           grouped(in_.bytes.size())));
   }
 
   void add_piece() {

@@ -179,7 +179,7 @@ void finish(const Input& in, PointSet& points) {
   if (lost == n && beyond == 0) in.fail(fmt::format("holds no points with finite coordinates (0 of {})", grouped(n)));
   if (lost == n)
     in.fail(fmt::format("holds no points that can be used: {} of {} {} farther than {:g} from zero{}", grouped(beyond),
-                        grouped(n), beyond == 1 ? "lies" : "lie", largest_coordinate,
+                        grouped(n), beyond == 1 ? "is" : "are", largest_coordinate,
                         unknown > 0 ? ", the others are not finite" : ""));
   if (lost > 0) {
     std::vector<std::uint8_t> gone(n);
@@ -189,7 +189,7 @@ void finish(const Input& in, PointSet& points) {
     if (unknown > 0)
       in.warn(fmt::format("{} of {} points are not finite and were left out", grouped(unknown), grouped(n)));
     if (beyond > 0)
-      in.warn(fmt::format("{} of {} points lie farther than {:g} from zero and were left out", grouped(beyond),
+      in.warn(fmt::format("{} of {} points are farther than {:g} from zero and were left out", grouped(beyond),
                           grouped(n), largest_coordinate));
     if (before > points.triangles.size()) {
       in.warn(fmt::format("{} of {} triangles referred to them and were left out",

@@ -117,7 +117,7 @@ AttributeTable decode_attributes(const Input& in, const std::vector<NamedColumns
       break;
     }
     if (!names.insert(group.name).second) {
-      in.warn(fmt::format("'{}' is there twice: the second one was left out", printable(group.name, 80)));
+      in.warn(fmt::format("'{}' occurs twice: the second one was left out", printable(group.name, 80)));
       continue;
     }
     table.set(decode(group, n));

@@ -62,7 +62,7 @@ std::vector<Scan> parse(const Input& in) {
 void leave_out_missing(const Input& in, std::vector<Scan>& scans) {
   if (std::all_of(scans.begin(), scans.end(), [](const Scan& s) { return s.missing; })) return;
   for (const Scan& s : scans)
-    if (s.missing) in.warn(fmt::format("names the scan {}, which is not there: left out", printable(s.file, 200)));
+    if (s.missing) in.warn(fmt::format("names the scan {}, which does not exist: left out", printable(s.file, 200)));
   std::erase_if(scans, [](const Scan& s) { return s.missing; });
 }
 

@@ -133,7 +133,7 @@ std::vector<LasExtra> find_extras(const Input& in, std::size_t at, std::size_t b
       extra.columns.type = types[(type - 1) % 10];
       const std::size_t components = 1 + (type - 1) / 10, bytes = size_of(extra.columns.type);
       if (first + components * bytes > r.stride) {
-        in.warn("describes more numbers than its records of points have room for: they were left out");
+        in.warn("describes more numbers than fit into its point records: they were left out");
         return extras;
       }
       for (std::size_t k = 0; k < components; ++k, first += bytes) {
@@ -159,7 +159,7 @@ void add_extras(const Input& in, const std::vector<LasExtra>& extras, std::size_
         a.values);
     if (zero) continue;
     if (table.find(a.name)) {
-      in.warn(fmt::format("'{}' is there twice: the second one was left out", printable(a.name, 80)));
+      in.warn(fmt::format("'{}' occurs twice: the second one was left out", printable(a.name, 80)));
       continue;
     }
     const auto of =
@@ -237,8 +237,7 @@ void leave_out_withheld(const Input& in, const LasRecords& r, PointSet& points) 
                [&](std::size_t i) { withheld[i] = static_cast<std::uint8_t>((r.flags(i) & kWithheld) != 0); });
   const auto lost = static_cast<std::size_t>(std::count(withheld.begin(), withheld.end(), std::uint8_t{1}));
   if (lost == 0) return;
-  if (lost == r.count)
-    in.fail(fmt::format("holds no points that count: all {} are flagged as withheld", grouped(lost)));
+  if (lost == r.count) in.fail(fmt::format("holds no valid points: all {} are flagged as withheld", grouped(lost)));
   remove_samples(points, withheld);
   in.warn(fmt::format("{} of {} points are flagged as withheld and were left out", grouped(lost), grouped(r.count)));
 }

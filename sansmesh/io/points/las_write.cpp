@@ -111,7 +111,7 @@ struct LasScale {
 LasScale las_scale(const PointSet& points) {
   LasScale s;
   for (const Vec3f& p : points.positions) {
-    if (!is_finite(p)) throw ArgumentError("LAS has no place for positions that are not finite");
+    if (!is_finite(p)) throw ArgumentError("LAS cannot hold positions that are not finite");
     s.box.extend(points.origin + Vec3(p));
   }
   if (s.box.empty()) return s;

@@ -49,7 +49,7 @@ void number_scans(const std::vector<std::string>& files, const std::vector<std::
   std::size_t scanners = 0, others = 0;
   for (const PointSet& part : parts) scanners += part.scanners.size(), others += part.scan_of_point.empty();
   if (scanners + others >= PointSet::kUnknownScan) {
-    report.warnings.push_back("more than 65,534 scans: which sample is of which was left out");
+    report.warnings.push_back("more than 65,534 scans: the scan numbers of the samples were left out");
     for (PointSet& part : parts) part.scan_of_point.clear(), part.scanners.clear();
     return;
   }

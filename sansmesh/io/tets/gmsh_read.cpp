@@ -47,7 +47,7 @@ class GmshNumbers {
   /// The same for entries with a count of four bytes.
   std::size_t small_count(const char* of, std::size_t numbers = 1) {
     const std::int64_t n = whole(of);
-    if (n < 0) in_.fail(fmt::format("{} {} cannot be", n, of));
+    if (n < 0) in_.fail(fmt::format("an impossible number of {1}: {0}", n, of));
     return checked(static_cast<std::uint64_t>(n), of, numbers);
   }
   /// A number of entries on a line of text, also in binary files.
@@ -55,7 +55,7 @@ class GmshNumbers {
     if (!binary_) return count(of, numbers);
     NumberText head(in_, line());
     const std::int64_t n = head.whole(of);
-    if (n < 0) in_.fail(fmt::format("{} {} cannot be", n, of));
+    if (n < 0) in_.fail(fmt::format("an impossible number of {1}: {0}", n, of));
     return checked(static_cast<std::uint64_t>(n), of, numbers);
   }
   double real(const char* of) {
@@ -81,7 +81,7 @@ class GmshNumbers {
     return static_cast<std::size_t>(n);
   }
   const char* take(std::size_t bytes, const char* of) {
-    if (rest_.size() < bytes) in_.fail(fmt::format("truncated: it ends among its {}", of));
+    if (rest_.size() < bytes) in_.fail(fmt::format("truncated: it ends within its {}", of));
     const char* const p = rest_.data();
     rest_.remove_prefix(bytes);
     return p;
@@ -146,7 +146,7 @@ class GmshFile {
         TextScanner s(rest);
         s.skip_space();
         if (!s.at_end() && *s.position() != '$')
-          in_.fail(fmt::format("more in its ${} than this says that there is", printable(*name, 40)));
+          in_.fail(fmt::format("more data in its ${} than announced", printable(*name, 40)));
       }
       const std::size_t at = rest.find(end);
       if (at == std::string_view::npos) in_.fail(fmt::format("truncated: '{}' is missing", end));
@@ -182,7 +182,7 @@ class GmshFile {
       std::string name(line.substr(1));
       while (!name.empty() && TextScanner::is_blank(name.back())) name.pop_back();
       if (name.size() > 60 || name.starts_with("End"))
-        in_.fail(fmt::format("'${}' where a section should begin", name.substr(0, 40)));
+        in_.fail(fmt::format("'${}' instead of a section", name.substr(0, 40)));
       return name;
     }
   }
@@ -193,10 +193,10 @@ class GmshFile {
     TextScanner s(rest);
     int type = 0, bytes = 0;
     if (!s.number(version_) || !s.number(type) || !s.number(bytes))
-      in_.fail("its format cannot be understood: a version, 0 or 1, and a size are wanted behind $MeshFormat");
+      in_.fail("its format cannot be understood: $MeshFormat requires a version, 0 or 1, and a size");
     if (!(version_ >= 2 && version_ < 3) && !(version_ >= 4 && version_ < 4.15))
-      in_.fail(
-          fmt::format("is of version {} of Gmsh's format; 2, 4.0 and 4.1 are read: write it anew by Gmsh", version_));
+      in_.fail(fmt::format("is of version {} of Gmsh's format; 2, 4.0 and 4.1 are read: write it again with Gmsh",
+                           version_));
     if ((type != 0 && type != 1) || (bytes != 4 && bytes != 8) || (version_ < 3 && bytes != 8))
       in_.fail("its format cannot be understood: neither text nor binary, or numbers of an unknown size");
     binary_ = type == 1;
@@ -207,7 +207,7 @@ class GmshFile {
     if (!binary_) return;
     if (numbers(rest).whole("format") != 1) {
       swap_ = true;
-      if (numbers(rest).whole("format") != 1) in_.fail("the number that tells its byte order is 1 in none");
+      if (numbers(rest).whole("format") != 1) in_.fail("the number that shows its byte order is 1 in neither order");
     }
     rest.remove_prefix(4);
   }
@@ -273,7 +273,7 @@ class GmshFile {
         }
       }
       if (points_.size() != all)
-        in_.fail(fmt::format("holds {} nodes, not {} as it says", grouped(points_.size()), grouped(all)));
+        in_.fail(fmt::format("holds {} nodes, not {} as announced", grouped(points_.size()), grouped(all)));
     }
     numbers_.emplace(in_, tags_);
     rest = n.rest();
@@ -282,7 +282,7 @@ class GmshFile {
   const GmshElement& element(std::int64_t type) const {
     for (const GmshElement& e : kGmshElements)
       if (e.type == type) return e;
-    in_.fail(fmt::format("holds elements of the type {}, which is not known", type));
+    in_.fail(fmt::format("holds elements of the unknown type {}", type));
   }
 
   /// An element whose nodes come next.
@@ -333,7 +333,7 @@ class GmshFile {
         }
         const GmshElement& e = element(n.whole(of));
         const std::size_t many = n.small_count(of), tags = n.small_count(of);
-        if (many == 0 || many > count - k) in_.fail("its elements are more than it says");
+        if (many == 0 || many > count - k) in_.fail("it has more elements than announced");
         for (std::size_t j = 0; j < many; ++j) tagged(e, static_cast<std::uint64_t>(n.whole(of)), tags);
         k += many;
       }
@@ -355,7 +355,7 @@ class GmshFile {
           add_element(e, number, group == physical_.end() ? 0 : group->second, entity, next);
         }
       }
-      if (sum != all) in_.fail(fmt::format("holds {} elements, not {} as it says", grouped(sum), grouped(all)));
+      if (sum != all) in_.fail(fmt::format("holds {} elements, not {} as announced", grouped(sum), grouped(all)));
     }
     rest = n.rest();
   }
@@ -391,7 +391,7 @@ class GmshFile {
       if (k < 3) whole[k] = v;
     }
     if (wholes < 3 || whole[1] < 1 || whole[1] > 1000 || whole[2] < 0)
-      in_.fail(fmt::format("its {} do not say how many rows and components there are", of));
+      in_.fail(fmt::format("its {} do not state their numbers of rows and components", of));
     data.components = static_cast<std::size_t>(whole[1]);
     GmshNumbers n = numbers(head.rest());
     const auto rows = static_cast<std::uint64_t>(whole[2]);
@@ -444,7 +444,7 @@ class GmshFile {
       const std::vector<std::uint64_t>& all = d.of_nodes ? tags_ : cells;
       numbers += all.size() * d.components;
       if (numbers > kMostNumbersPerByte * in_.bytes.size())
-        in_.fail(fmt::format("its arrays would have {} numbers or more, of which its {} bytes hold next to nothing",
+        in_.fail(fmt::format("its arrays would have {} numbers or more, far more than its {} bytes hold",
                              grouped(numbers), grouped(in_.bytes.size())));
       if (place.empty())
         for (std::size_t k = 0; k < all.size(); ++k) place.emplace(all[k], k);

@@ -182,10 +182,10 @@ class MeditBytes {
   std::int64_t place() { return version_ > 2 ? whole8() : whole4(); }
   void go(std::int64_t place) {
     if (place < 0 || static_cast<std::uint64_t>(place) > in_.bytes.size())
-      in_.fail(fmt::format("truncated, or damaged: a keyword lies outside of it, at byte {} of {}", place,
+      in_.fail(fmt::format("truncated, or damaged: a keyword is outside of it, at byte {} of {}", place,
                            grouped(in_.bytes.size())));
     if (static_cast<std::size_t>(place) < at_)
-      in_.fail(fmt::format("damaged: a keyword lies at byte {}, among what comes before it", place));
+      in_.fail(fmt::format("damaged: a keyword is at byte {}, inside earlier data", place));
     at_ = static_cast<std::size_t>(place);
   }
   std::size_t count(const char* of, std::size_t numbers) {

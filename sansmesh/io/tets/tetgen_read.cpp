@@ -59,7 +59,7 @@ PointNumbers read_tetgen_nodes(const Input& in, GridBlock& block) {
   const std::int64_t dimension = number_of_line(text), attributes = number_of_line(text), marks = number_of_line(text);
   if (dimension != 3) in.fail(fmt::format("its points have {} coordinates, not 3", dimension));
   if (attributes < 0 || attributes > static_cast<std::int64_t>(kMostAttributes) || marks < 0 || marks > 1)
-    in.fail("its header cannot be understood: points, 3, attributes, 0 or 1 are wanted");
+    in.fail("its header cannot be understood: points, 3, attributes, 0 or 1 are required");
   TetgenColumns columns(static_cast<std::size_t>(attributes), marks == 1);
   std::vector<std::uint64_t> numbers;
   numbers.reserve(count);
@@ -83,7 +83,7 @@ void read_tetgen_cells(const Input& in, const PointNumbers& points, GridBlock& b
   const std::int64_t nodes = number_of_line(text), attributes = number_of_line(text);
   if (nodes != 4 && nodes != 10) in.fail(fmt::format("its tetrahedra have {} points, not 4 (nor 10)", nodes));
   if (attributes < 0 || attributes > static_cast<std::int64_t>(kMostAttributes))
-    in.fail("its header cannot be understood: tetrahedra, 4 or 10, attributes are wanted");
+    in.fail("its header cannot be understood: tetrahedra, 4 or 10, attributes are required");
   TetgenColumns columns(static_cast<std::size_t>(attributes), false);
   MeshCells cells({});
   for (std::size_t k = 0; k < count; ++k) {
@@ -136,9 +136,9 @@ GridData read_tetgen_pair(const Input& in) {
   std::error_code ignored;
   if (!std::filesystem::exists(other, ignored)) {
     if (!given_nodes)
-      in.fail(fmt::format("holds tetrahedra without points: {} is not there",
+      in.fail(fmt::format("holds tetrahedra without points: {} does not exist",
                           std::filesystem::path(other).filename().string()));
-    in.warn(fmt::format("there is no {} with tetrahedra beside it: these are points alone",
+    in.warn(fmt::format("there is no {} with tetrahedra beside it: only points are read",
                         std::filesystem::path(other).filename().string()));
     return read_tetgen(in, nullptr);
   }

@@ -68,7 +68,7 @@ class TagReader {
       const bool beyond = tag.length > size_ - tag.value, of_pixels = tag.name == 0x7fe00010;
       const std::int64_t length = std::max<std::int64_t>(0, tag.length);
       if (pixels >= 0 && of_pixels) fail("holds several images in one file", file_);
-      if (pixels >= 0 && tag.name >> 16 == 0x0028) fail("holds pixels before what describes them", file_);
+      if (pixels >= 0 && tag.name >> 16 == 0x0028) fail("holds pixels before their description", file_);
       if (pixels >= 0 && beyond) break;  // data after the pixels are irrelevant
       if (beyond) fail("holds a truncated slice", file_);
       check(tag);
@@ -192,7 +192,7 @@ Slice read_slice(const std::string& file) {
 std::vector<Slice> read_slices(const std::string& path) {
   const auto probe = vtkSmartPointer<vtkDICOMImageReader>::New();
   if (!std::filesystem::is_directory(path)) {
-    if (probe->CanReadFile(path.c_str()) == 0) throw std::runtime_error("is no DICOM file that can be read");
+    if (probe->CanReadFile(path.c_str()) == 0) throw std::runtime_error("is not a readable DICOM file");
     return {read_slice(path)};
   }
   std::vector<std::string> files;
@@ -257,13 +257,13 @@ std::vector<double> distances_of(const std::vector<Slice>& slices, GridData& dat
     least = std::min(least, at[k] - at[k - 1]), most = std::max(most, at[k] - at[k - 1]);
     if (at[k] - at[k - 1] <= 1e-3 * mean)
       throw std::runtime_error(
-          "holds several slices at one place (" + std::filesystem::path(slices[k - 1].file).filename().string() +
+          "holds several slices at one position (" + std::filesystem::path(slices[k - 1].file).filename().string() +
           " and " + std::filesystem::path(slices[k].file).filename().string() + "): keep one series in a folder");
   }
   if (most - least <= 0.01 * mean) {
     for (std::size_t k = 0; k < at.size(); ++k) at[k] = mean * static_cast<double>(k);
   } else {
-    data.notes.push_back("the distance from slice to slice is not the same everywhere");
+    data.notes.push_back("the slices are not equally spaced");
   }
   return at;
 }
@@ -273,7 +273,7 @@ void stack_slices(std::vector<Slice>& slices, GridData& data) {
   for (std::size_t k = 0; k < slices.size(); ++k)
     slices[k].position +=
         cross(slices[0].along_row, slices[0].along_column) * (slices[0].thickness * static_cast<double>(k));
-  data.notes.push_back("the slices do not say where they lie: they are stacked in the order of their names");
+  data.notes.push_back("the slices have no positions: they are stacked in the order of their names");
 }
 
 }  // namespace

@@ -455,7 +455,7 @@ void add_blocks(vtkDataObject& object, const std::string& name, VtkSink& sink, G
   if (auto* const set = vtkDataSet::SafeDownCast(&object)) return add_data_set(*set, name, 0, sink, data);
   if (auto* const amr = vtkUniformGridAMR::SafeDownCast(&object)) return add_levels(*amr, name, sink, data);
   auto* const tree = vtkDataObjectTree::SafeDownCast(&object);
-  if (!tree) fail(std::string("holds data of the kind ") + object.GetClassName() + ", no volume");
+  if (!tree) fail(std::string("holds data of the kind ") + object.GetClassName() + ", which is not a volume");
   // Visits the children separately, each with the name from its parent.
   const auto at = vtkSmartPointer<vtkDataObjectTreeIterator>::Take(tree->NewTreeIterator());
   at->TraverseSubTreeOff();

@@ -49,7 +49,7 @@ extern "C" int vtkexodusII_ex_opts(int options) __attribute__((weak));
 // VTK's reader of CGNS calls this function of the underlying library for damaged files, which would end the process.
 // The loader finds this definition in the module before that in its dependencies.
 extern "C" __attribute__((visibility("default"))) [[noreturn]] void vtkcgns_cgio_error_exit(const char*) {
-  throw std::runtime_error("is no CGNS file that can be read: truncated or damaged");
+  throw std::runtime_error("is not a readable CGNS file: truncated or damaged");
 }
 
 namespace sansmesh::inline v1::io {
@@ -189,7 +189,7 @@ vtkSmartPointer<vtkAlgorithm> xml_reader(const VtkRequest& request) {
     reader->SetMaximumLevelsToReadByDefault(0);  // all
     return reader;
   }
-  throw std::runtime_error("holds VTK's data of the kind '" + type.substr(0, 40) + "', which is no volume");
+  throw std::runtime_error("holds VTK's data of the kind '" + type.substr(0, 40) + "', which is not a volume");
 }
 
 vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
@@ -212,7 +212,7 @@ vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
       if (vtkexodusII_ex_opts) vtkexodusII_ex_opts(0);
       const auto reader = vtkSmartPointer<vtkExodusIIReader>::New();
       if (!reader->CanReadFile(request.file.c_str()))
-        throw std::runtime_error("is no Exodus file that can be read: truncated or damaged");
+        throw std::runtime_error("is not a readable Exodus file: truncated or damaged");
       reader->SetFileName(request.file.c_str());
       reader->GenerateObjectIdCellArrayOff();
       reader->UpdateInformation();
@@ -229,7 +229,7 @@ vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
     case VtkFormat::cgns: {
       const auto reader = vtkSmartPointer<vtkCGNSReader>::New();
       if (!reader->CanReadFile(request.file.c_str()))
-        throw std::runtime_error("is no CGNS file that can be read: truncated or damaged");
+        throw std::runtime_error("is not a readable CGNS file: truncated or damaged");
       reader->SetFileName(request.file.c_str());
       reader->UpdateInformation();
       reader->EnableAllBases();
@@ -250,7 +250,7 @@ vtkSmartPointer<vtkAlgorithm> make_reader(const VtkRequest& request) {
     case VtkFormat::dicom:
       break;  // add_slices
   }
-  throw std::runtime_error("is of a format that the module does not know");
+  throw std::runtime_error("is of a format unknown to the module");
 }
 
 const char* format_name(VtkFormat format) {

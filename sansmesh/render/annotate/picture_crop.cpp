@@ -43,7 +43,7 @@ PixelBox picture_content(const Image& image, const RenderOptions& options, int m
 void check_crop(const PixelBox& part, int width, int height) {
   if (part.left < 0 || part.top < 0 || part.width < 1 || part.height < 1 || part.width > width - part.left ||
       part.height > height - part.top)
-    throw ArgumentError("`crop` must lie in the picture, which has " + std::to_string(width) + " × " +
+    throw ArgumentError("`crop` must be inside the picture, which has " + std::to_string(width) + " × " +
                         std::to_string(height) + " pixels");
 }
 

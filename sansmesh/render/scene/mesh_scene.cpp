@@ -72,7 +72,7 @@ Subject placed_subject(const TriangleMesh& mesh, std::span<const Vec3f> vectors,
   Box3 box;
   for (const Vec3f& p : own.vertices) box.extend(Vec3(p));
   double size = box.diagonal();
-  if (!own.triangles.empty() && !(size > 0)) throw DataError("nothing to draw: all vertices are in one place");
+  if (!own.triangles.empty() && !(size > 0)) throw DataError("nothing to draw: all vertices coincide");
 
   if (own.triangles.empty()) {
     double radius = options.look.point_radius.value_or(0);

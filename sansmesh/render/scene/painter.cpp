@@ -81,7 +81,7 @@ std::vector<Vec3f> shown_corners(std::span<const Vec3f> points, const PictureFra
     box.lower[k] = std::max(box.lower[k], all.lower[k]);
     box.upper[k] = std::min(box.upper[k], all.upper[k]);
   }
-  if (box.empty()) throw ArgumentError("`clip_box` holds nothing of what is drawn");
+  if (box.empty()) throw ArgumentError("`clip_box` contains no part of the scene");
   std::vector<Vec3f> corners;
   corners.reserve(8);
   for (int c = 0; c < 8; ++c)
@@ -119,8 +119,7 @@ Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, 
   if (options.view.look_at) {
     const Vec3f place = frame.to_picture(*options.view.look_at);
     // Floats cannot represent rays from farther away.
-    if (!(norm(place - middle) <= kFarthestLook))
-      throw ArgumentError("`look_at` lies too far away from everything that could be seen");
+    if (!(norm(place - middle) <= kFarthestLook)) throw ArgumentError("`look_at` is too far away from the scene");
     look_at(camera, place);
     if (options.view.look_radius)
       factor = zoom_on_ball(camera, static_cast<double>(camera.seen(place).depth),

@@ -156,7 +156,7 @@ void RenderOptions::validate() const {
       throw ArgumentError("`clip_box` must have an extent: XMIN < XMAX, YMIN < YMAX and ZMIN < ZMAX");
   }
   if (look.accessibility && look.lines == PictureLook::Lines::only)
-    throw ArgumentError("`accessibility` is light, which `lines` alone does not show: `lines = over`");
+    throw ArgumentError("`accessibility` needs a lit surface, which `lines` alone does not show: `lines = over`");
   check_color("background", look.behind().color);
   check_color("surface_color", look.surface_color);
   check_color("wire_color", look.wire_color);

@@ -40,7 +40,7 @@ PictureFrame frame_of(const PointSet& points) {
   for (const Vec3f& p : points.positions)
     if (is_finite(p)) box.extend(points.origin + Vec3(p));
   if (box.empty()) throw DataError("nothing to draw: no finite points");
-  if (!(box.diagonal() > 0)) throw DataError("nothing to draw: all points are in one place");
+  if (!(box.diagonal() > 0)) throw DataError("nothing to draw: all points coincide");
   return {box.center(), box.diagonal()};
 }
 

@@ -141,7 +141,7 @@ BallSegments::BallSegments(const BallUnion& balls) : state_(std::make_unique<Sta
   if (!s.device) throw Error("the ray caster (Embree) cannot start");
   if (rtcGetDeviceProperty(s.device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) == 0) {
     rtcReleaseDevice(std::exchange(s.device, nullptr));
-    throw Error("the ray caster needs a processor and an Embree that trace eight rays at once (AVX)");
+    throw Error("the ray caster needs a processor and an Embree with packets of eight rays (AVX)");
   }
   s.scene = rtcNewScene(s.device);
   rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);

@@ -284,7 +284,7 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
   if (surfaces.empty()) throw DataError("nothing to draw: no surfaces");
   if (box.empty()) throw DataError("nothing to draw: no finite points");
   const double size = box.diagonal();
-  if (!(size > 0)) throw DataError("nothing to draw: all points are in one place");
+  if (!(size > 0)) throw DataError("nothing to draw: all points coincide");
   if (translucent) {
     const Vec3 rim{1e-3 * size, 1e-3 * size, 1e-3 * size};  // flat content has no inside
     const ClearVolume field({box.lower - rim, box.upper + rim});

@@ -47,7 +47,7 @@ BallUnion usable(const BallUnion& balls) {
     kept.centers.push_back(balls.centers[i]);
     kept.radii.push_back(balls.radii[i]);
   }
-  if (kept.centers.empty()) throw DataError("no ball that could hold a surface");
+  if (kept.centers.empty()) throw DataError("no finite ball with a positive radius");
   return kept;
 }
 

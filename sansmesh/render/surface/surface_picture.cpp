@@ -33,7 +33,7 @@ Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points,
     if (is_finite(p)) box.extend(Vec3(p));
   if (box.empty()) throw DataError("nothing to draw: no finite points");
   const double size = box.diagonal();
-  if (!(size > 0)) throw DataError("nothing to draw: all points are in one place");
+  if (!(size > 0)) throw DataError("nothing to draw: all points coincide");
   const PictureFrame frame{box.center(), size};
   std::vector<Vec3f> placed;
   placed.reserve(points.size());

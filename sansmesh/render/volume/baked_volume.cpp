@@ -93,7 +93,7 @@ struct BakedVolume::State {
 
   State(const VolumeField& f, const BakeOptions& o) : field(&f), options(o) {
     options.validate();
-    if (f.components() != 1) throw ArgumentError("a field of one component can be baked");
+    if (f.components() != 1) throw ArgumentError("only fields of one component can be baked");
     box = f.bounds();
     if (box.empty() || !is_finite(box.lower) || !is_finite(box.upper) || !(box.diagonal() > 0))
       throw DataError("the volume has no extent");

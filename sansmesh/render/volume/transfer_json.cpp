@@ -91,7 +91,7 @@ TransferFunction own_transfer_function(const TransferJson& json) {
 std::vector<double> paraview_numbers(const TransferJson& json, const char* key, std::size_t each) {
   const TransferJson& list = transfer_list(json, key);
   if (list.empty() || list.size() % each != 0)
-    transfer_error(fmt::format("'{}' must hold {} numbers a point, not {} in all", key, each, list.size()));
+    transfer_error(fmt::format("'{}' must hold {} numbers per point, not {} in total", key, each, list.size()));
   std::vector<double> numbers;
   for (const TransferJson& n : list) numbers.push_back(transfer_number(n, fmt::format("'{}'", key)));
   return numbers;

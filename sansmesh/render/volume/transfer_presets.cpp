@@ -235,10 +235,9 @@ SuggestedTransferFunction suggest_transfer_function(const ValueHistogram& h, boo
     return {{"constant", {{h.lower, srgb_of_oklch(0.6, 0.1, 200)}}, {{h.lower, 0.03}}},
             fmt::format("all values are {:g}", h.lower)};
   if (const auto m = image ? materials_of(h) : std::nullopt)
-    return {
-        of_materials(h, *m),
-        fmt::format("two materials, at {:.4g} and {:.4g}: the first clear, the second a veil, what is denser opaque",
-                    m->air, m->body)};
+    return {of_materials(h, *m),
+            fmt::format("two materials, at {:.4g} and {:.4g}: the first clear, the second a veil, denser values opaque",
+                        m->air, m->body)};
   bool background = false, signs = false;
   SuggestedTransferFunction found{of_range(h, background, signs), {}};
   found.why = fmt::format("the values from {:.4g} to {:.4g}{}{}, rare and steep ones more opaque", h.lower, h.upper,

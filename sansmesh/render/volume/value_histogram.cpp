@@ -105,7 +105,7 @@ ValueHistogram value_histogram(std::span<const double> values, std::span<const d
 }
 
 ValueHistogram value_histogram(const VolumeField& field, std::size_t points, std::span<const Vec3> places) {
-  if (field.components() != 1) throw ArgumentError("a histogram is of a field of one component");
+  if (field.components() != 1) throw ArgumentError("a histogram needs a field of one component");
   const Box3 box = field.bounds();
   if (box.empty() || !(box.diagonal() > 0)) throw DataError("the volume has no extent");
   points = std::max<std::size_t>(points, 1);

@@ -117,7 +117,7 @@ IsoSurface iso_surface_of(const std::string& text) {
 
 VolumeCut volume_cut_of(const std::string& text) {
   const auto fail = [&] {
-    throw ArgumentError("a cut is written as x>1, y<2, -1<z<2 or NX,NY,NZ>OFFSET (what is taken away), not '" +
+    throw ArgumentError("a cut is written as x>1, y<2, -1<z<2 or NX,NY,NZ>OFFSET (the removed part), not '" +
                         printable(text, 60) + "'");
   };
   VolumeCut cut;

@@ -185,14 +185,14 @@ class VolumePicture::Work {
     for (const IsoSurface& iso : options.isos)
       if (iso.value < histogram().least || iso.value > histogram().most)
         found.push_back(
-            fmt::format("the iso-surface of {:g} may be empty: values found in the volume lie between {:g} and {:g}",
+            fmt::format("the iso-surface of {:g} may be empty: values found in the volume are between {:g} and {:g}",
                         iso.value, histogram().least, histogram().most));
     for (const bool opacity : {false, true}) {
       const auto* baked = dynamic_cast<const BakedVolume*>(opacity ? subject_.opacity : subject_.field);
       if (!baked || baked->report().finished) continue;
       found.push_back(fmt::format(
-          "the baked field{} is coarser than asked for: off by {:.3g} % of its range on average, {:.3g} % "
-          "at most at the points looked at",
+          "the baked field{} is coarser than requested: its error is {:.3g} % of its range on average, {:.3g} % at "
+          "most at the tested points",
           opacity ? " of the opacities" : "", 100 * baked->report().error_mean, 100 * baked->report().error_most));
     }
     return found;
@@ -210,7 +210,7 @@ class VolumePicture::Work {
   PictureFrame framed() {
     if (!subject_.field) throw ArgumentError("a picture needs a field");
     if (subject_.field->components() != 1 || (subject_.opacity && subject_.opacity->components() != 1))
-      throw ArgumentError("pictures are made of fields of one component: take a component, or the length");
+      throw ArgumentError("pictures need a field of one component: choose a component, or the length");
     Box3& box = box_;
     const TriangleMesh* mesh = subject_.boundary;
     if (mesh && !mesh->triangles.empty()) {
