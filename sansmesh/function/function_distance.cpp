@@ -31,7 +31,7 @@ TriangleMesh whole_mesh(const FittedFunction& function, Progress& progress) {
   options.mesh_error = kFinerMesh * function.frame.to_input(default_mesh_error(function.field.report()));
   TriangleMesh mesh = mesh_function(function, options, progress);
   if (function.field.data().options.sharp) {
-    const PlacedField field(function.field, function.place);
+    const PlacedField field(function.field, function.frame);
     turn_edges_to_creases(mesh, field);
   }
   return mesh;
@@ -41,7 +41,7 @@ TriangleMesh whole_mesh(const FittedFunction& function, Progress& progress) {
 
 struct FunctionDistance::Parts {
   Parts(std::shared_ptr<const FittedFunction> f, Progress& progress)
-      : function(std::move(f)), field(function->field, function->place) {
+      : function(std::move(f)), field(function->field, function->frame) {
     TriangleMesh mesh = whole_mesh(*function, progress);
     closed = measure_topology(mesh).closed();
     const double spacing = function->frame.to_input(function->field.report().spacing);

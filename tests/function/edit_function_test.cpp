@@ -35,7 +35,7 @@ bool same_function(const FittedFunction& a, const FittedFunction& b) {
   return same;
 }
 FittedFunction copy_of(const FittedFunction& f) {
-  return {PartitionOfUnity(f.field.data()), f.place, f.samples, f.history, f.warnings};
+  return {PartitionOfUnity(f.field.data()), f.frame, f.samples, f.history, f.warnings};
 }
 
 double value_at(const FittedFunction& f, const Vec3& x) {
@@ -76,7 +76,7 @@ const std::vector<decltype(Edit::action)>& actions() {
 
 TEST(FunctionEditor, TakesCoordinatesOfTheInput) {
   FunctionEditor editor(fitted(surveyed(sphere(6000))));
-  ASSERT_NE(editor.function().place.unit, 1);
+  ASSERT_NE(editor.function().frame.unit, 1);
   Progress progress;
   const Vec3 pole = kFar + Vec3{0, 0, kScale};
   EXPECT_NEAR(value_at(editor.function(), pole), 0, 0.1);
@@ -106,7 +106,7 @@ TEST(FunctionEditor, SelectionsInTheUnitOfTheInput) {
   pairs[1].first.box = Box3{{0.1, -2, -2}, {0.4, 2, 0.3}},
   pairs[1].second.box = Box3{at({0.1, -2, -2}), at({0.4, 2, 0.3})};
   pairs[2].first.half_space = {{0, 0.123, 0}, {0, 5, 1}}, pairs[2].second.half_space = {at({0, 0.123, 0}), {0, 5, 1}};
-  const double error = 0.9 * here.field.data().supports[7].error * here.place.unit;
+  const double error = 0.9 * here.field.data().supports[7].error * here.frame.unit;
   pairs[3].first.error_above = error, pairs[3].second.error_above = error * kScale;
   pairs[4].first.coverage_below = pairs[4].second.coverage_below = 1;
   pairs[5].first.samples_below = pairs[5].second.samples_below = 60;

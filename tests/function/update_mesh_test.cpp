@@ -65,7 +65,7 @@ TEST(UpdateMesh, IsTheMeshOfTheEditedFunction) {
       const double edge = mean_edge(before);
       std::size_t local = 0;
       for (const Action& action : local_actions()) {
-        FunctionEditor editor({PartitionOfUnity(function.field.data()), function.place, function.samples, {}, {}});
+        FunctionEditor editor({PartitionOfUnity(function.field.data()), function.frame, function.samples, {}, {}});
         Progress progress;
         const EditReport report = editor.apply(edit_in_ball(shape.at, shape.radius, action), progress);
         SCOPED_TRACE(std::string(shape.name) + ": " + report.what + (options.mesh_error ? ", coarse" : "") +
@@ -226,7 +226,7 @@ TEST(UpdateMesh, ManyEditsOneMesh) {
   SANSMESH_NOT_SANITIZED("compares results; others edit meshes, too");
   // Whatever is done, the mesh stays closed and manifold, made from that of the last step or anew.
   const FittedFunction function = fitted(bumpy(8000));
-  FunctionEditor editor({PartitionOfUnity(function.field.data()), function.place, function.samples, {}, {}});
+  FunctionEditor editor({PartitionOfUnity(function.field.data()), function.frame, function.samples, {}, {}});
   TriangleMesh mesh = meshed(function);
   std::mt19937 random(4);
   std::size_t local = 0, rounds = 30;
@@ -295,7 +295,7 @@ TEST(UpdateMesh, MeshesFromFiles) {
     SCOPED_TRACE(name);
     const std::string file = folder / name;
     write_mesh(file, mesh);
-    FunctionEditor editor({PartitionOfUnity(function.field.data()), function.place, function.samples, {}, {}});
+    FunctionEditor editor({PartitionOfUnity(function.field.data()), function.frame, function.samples, {}, {}});
     Progress progress;
     editor.apply(edit_in_ball(cloud.origin + Vec3{0, 0, 1}, 0.08, SetConstant{1}), progress);
     MeshUpdate update;
@@ -314,7 +314,7 @@ TEST(UpdateMesh, WholeComponentsComeAndGo) {
   const TriangleMesh both = meshed(function);
   ASSERT_EQ(measure_topology(both).components, 2u);
   for (const bool large : {false, true}) {
-    FunctionEditor editor({PartitionOfUnity(function.field.data()), function.place, function.samples, {}, {}});
+    FunctionEditor editor({PartitionOfUnity(function.field.data()), function.frame, function.samples, {}, {}});
     Progress progress;
     Edit edit;
     edit.select.sheet_at = large ? Vec3{-1, 0, 0} : Vec3{2.5, 0, 0};
