@@ -87,7 +87,8 @@ struct IsoSurface {
 struct VolumeCut {
   Vec3 normal{1, 0, 0};  ///< any length but 0; offset and thickness are measured along its unit vector
   double offset = 0;     ///< in the unit and the coordinates of the data
-  double thickness = std::numeric_limits<double>::infinity();  ///< of the removed slab; infinity: a half-space
+  double thickness =
+      std::numeric_limits<double>::infinity();  ///< thickness of the removed slab; infinity: a half-space
 };
 
 /// Parses "V", "V:COLOR", "V:COLOR:OPACITY" or "V::OPACITY", with COLOR as "#rrggbb". Throws ArgumentError.
@@ -107,7 +108,7 @@ struct SANSMESH_API VolumePictureOptions {
   /// the opacities.
   std::string preset = {};
   double opacity_factor = 1;          ///< multiplies extinction, 0..1000; 0: only iso-surfaces and cut faces
-  std::vector<IsoSurface> isos = {};  ///< of the field that gives the colours; at most 16
+  std::vector<IsoSurface> isos = {};  ///< iso-surfaces of the field that gives the colours; at most 16
   std::vector<VolumeCut> clips = {};  ///< at most 16
   /// Cut faces show their values, except those that the transfer function makes clear. If only iso-surfaces are
   /// visible, faces of gaps in a deformed volume show the values that are not below the least iso-value.

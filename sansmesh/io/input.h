@@ -17,7 +17,7 @@ struct Input {
   ReadReport& report;
   std::optional<Vec3> origin =
       {};  ///< prescribed origin of the cloud, shared with other clouds; default: chosen for this cloud
-  double smallest_extent = 0;  ///< of a cloud that is not a single point; checked if the origin is chosen
+  double smallest_extent = 0;  ///< least extent of a cloud of distinct points; checked if the origin is chosen
 
   [[noreturn]] void fail(const std::string& cause) const { throw FileError(file, cause); }
   /// Message: "truncated: 1,234 bytes are missing".

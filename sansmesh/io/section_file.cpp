@@ -33,7 +33,7 @@ struct Header {
   std::uint64_t file_size;
   std::uint32_t sections;
   std::uint32_t unused[7];
-  std::uint64_t checksum;  ///< of all bytes before it and of the table after it
+  std::uint64_t checksum;  ///< checksum of all bytes before it and of the table after it
 };
 static_assert(sizeof(Header) == 64);
 static_assert(std::endian::native == std::endian::little, "files hold little-endian arrays, as they lie in memory");

@@ -12,7 +12,7 @@ namespace {
 using namespace test;
 
 struct Kind {
-  const char* name;  ///< of the file
+  const char* name;  ///< name of the file
   bool ascii;
   bool normals, colors, scalar;  ///< data that the format keeps
 };

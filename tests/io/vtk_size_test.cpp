@@ -11,7 +11,7 @@ using namespace test;
 constexpr const char* kZlib = "vtkZLibDataCompressor";
 /// An image of 256 × 256 × 256 points.
 const std::string kWhole = "0 255 0 255 0 255";
-constexpr std::size_t kWholeBytes = std::size_t{8} << 24;  // of doubles
+constexpr std::size_t kWholeBytes = std::size_t{8} << 24;  // size of the doubles
 
 void check_xml(const std::string& file) {
   const std::string bytes = slurp(file);

@@ -85,7 +85,7 @@ TEST(Accessibility, WhatIsBeyondItsReachHidesNothing) {
   // Chords of the unit sphere from its lowest point have length 2 cos ψ, ψ from the zenith: rays with shorter ones than
   // the reach are occluded.
   const TriangleMesh half = bowl(std::numbers::pi / 2);
-  const double diagonal = 3;  // of the box 2 × 1 × 2
+  const double diagonal = 3;  // diagonal of the box 2 × 1 × 2
   Progress progress;
   for (const double length : {0.4, 0.8, 1.2}) {
     const RenderOptions options = open_light(length / diagonal);

@@ -197,7 +197,7 @@ TEST(SurfaceCaster, SeesBothSidesAndKeepsWithinTheRay) {
     if (!hits[i].hit) continue;
     EXPECT_NEAR(hits[i].distance, expected[i], 1e-4);
     EXPECT_NEAR(std::abs(hits[i].normal.y), 1, 1e-3);
-    EXPECT_GT(hits[i].normal.y * hits[i].position.y, 0) << "normals point outwards, whoever looks";
+    EXPECT_GT(hits[i].normal.y * hits[i].position.y, 0) << "normals point outwards from either side";
   }
   // A ray that starts on the surface does not hit it there.
   for (const CastRay& ray : test::random_rays(1000, 0.2f)) {

@@ -14,7 +14,7 @@ enum class VtkFormat : std::uint8_t { xml, legacy, exodus, ensight, cgns, openfo
 struct VtkRequest {
   std::string file;  ///< a folder for DICOM
   VtkFormat format = VtkFormat::xml;
-  std::string xml_type;  ///< of XML files: "UnstructuredGrid", …
+  std::string xml_type;  ///< type of XML files: "UnstructuredGrid", …
   std::size_t time_step = 0;
 };
 

@@ -277,7 +277,7 @@ bool read_rows(TextScanner& text, const Element& e, std::vector<double>& table) 
   const std::size_t n = static_cast<std::size_t>(e.count), width = e.properties.size();
   const std::string_view all = text.rest();
   const std::size_t chunk = 1 << 13;
-  std::vector<const char*> starts;  // of every chunk-th line
+  std::vector<const char*> starts;  // beginning of every chunk-th line
   const char* p = all.data();
   const char* const end = p + all.size();
   for (std::size_t i = 0; i < n; ++i) {

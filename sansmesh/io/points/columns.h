@@ -26,7 +26,7 @@ void decode_columns(const Input& in, const CloudColumns& columns, std::size_t n,
 /// Named columns without a meaning for the reader, which become an attribute.
 struct NamedColumns {
   std::string name;
-  NumberType type;                 ///< of the attribute; text columns hold cells of cell_type()
+  NumberType type;                 ///< type of the attribute; text columns hold cells of cell_type()
   std::vector<Column> components;  ///< at least one
 };
 

@@ -97,7 +97,7 @@ AttributeTable las_attributes(const LasRecords& r) {
 
 /// Numbers after those of the point format in each record.
 struct LasExtra {
-  NamedColumns columns;       ///< of the first record
+  NamedColumns columns;       ///< columns of the first record
   std::vector<Vec3> scaling;  ///< (scale, offset) per component; empty if the numbers are unscaled
 };
 

@@ -103,7 +103,7 @@ double power_of_ten(int power) {
 struct LasScale {
   Vec3 offset;
   double step = 0.001;
-  Box3 box;  ///< of the written points
+  Box3 box;  ///< box of the written points
 };
 
 /// A decimal step below the resolution of the cloud's floats: less than a quarter of the difference of adjacent floats

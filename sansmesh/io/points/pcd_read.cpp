@@ -236,7 +236,7 @@ void read_rows(const Input& in, const PcdHeader& h, PointSet& points) {
   const Field* const rgb = h.find({"rgb", "rgba"});
   std::vector<double> table(n * h.words);
   std::vector<std::uint32_t> packed(rgb ? n : 0);
-  std::vector<NumberType> types;  // of each word
+  std::vector<NumberType> types;  // type of each word
   for (const Field& f : h.fields) types.insert(types.end(), f.count, f.known_type().value_or(NumberType::f64));
   TextScanner text(h.body);
   for (std::size_t i = 0; i < n; ++i) {

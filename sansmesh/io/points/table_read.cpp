@@ -131,7 +131,7 @@ std::vector<std::vector<double>> first_rows(const Head& head) {
 struct Layout {
   int place[most_columns];
   bool required[most_columns] = {};  ///< coordinates: a row without them is an error
-  NumberType type[most_columns];     ///< of the cells: doubles, unless the numbers need 64 bits
+  NumberType type[most_columns];     ///< cell types: doubles, unless the numbers need 64 bits
   int width = 0;
   int last_column = 0;  ///< a row that ends before it is an error
   int last_place = 0;   ///< including optional columns
@@ -235,7 +235,7 @@ struct Rows {
 /// All rows, read in parallel and joined in order.
 Rows read_rows(const Input& in, const Head& head, const Layout& layout) {
   const std::size_t chunk = 1 << 13;
-  std::vector<const char*> starts;  // of every chunk-th line
+  std::vector<const char*> starts;  // beginning of every chunk-th line
   const char* p = head.body.data();
   const char* const end = p + head.body.size();
   for (std::size_t line = 0; p != end; ++line) {

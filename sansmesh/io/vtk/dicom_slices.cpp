@@ -25,7 +25,7 @@ namespace {
 
 struct Slice {
   std::string file;
-  Vec3 position, along_row, along_column;  ///< of the first number; unit vectors
+  Vec3 position, along_row, along_column;  ///< position of the first number; unit vectors
   double column_step = 1, row_step = 1;    ///< between columns, between rows
   double thickness = 1;
   double at = 0;                        ///< along the normal

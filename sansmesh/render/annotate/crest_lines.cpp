@@ -162,7 +162,7 @@ class CrestInk {
 
   const Camera& camera_;
   const RenderOptions& options_;
-  float step_;  // of a pixel at distance 1, or of parallel rays at any distance
+  float step_;  // width of a pixel at distance 1, or of parallel rays at any distance
   PixelMap<Texel> map_;
 };
 

@@ -129,7 +129,7 @@ class EdgeInk {
   const PictureScene& scene_;
   const Camera& camera_;
   int n_;
-  float radius_;  // of lines, in rays
+  float radius_;  // half the width of lines, in rays
   int reach_;
   float across_, down_, step_;  // between rays: in the picture, and at distance 1
 };

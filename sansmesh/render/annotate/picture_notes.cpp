@@ -386,7 +386,7 @@ void draw_box_ticks(Image& image, const Box3& box, const PictureFrame& frame, co
 
 void draw_scale_bar(Image& image, const PictureFrame& frame, const Camera& camera, double length,
                     const std::string& unit) {
-  const double width = 2 * static_cast<double>(camera.half_width) * frame.size * length;  // of the picture
+  const double width = 2 * static_cast<double>(camera.half_width) * frame.size * length;  // width of the picture
   const std::vector<double> steps = round_ticks(0, width, 5);
   if (!camera.parallel || steps.size() < 2 || !(width > 0)) return;
   const double bar = steps[1] / width * image.width;

@@ -17,7 +17,7 @@ struct CastHit {
   float distance = 0;  ///< along the ray
   Vec3 position;
   Vec3f normal;      ///< unit surface normal, outward: away from the viewer if the surface is seen from behind
-  float radius = 0;  ///< of the ball around the position: the local scale of the surface
+  float radius = 0;  ///< radius of the ball around the position: the local scale of the surface
 };
 
 }  // namespace sansmesh::inline v1

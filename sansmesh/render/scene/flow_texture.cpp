@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kSide = 4;          // of a block, in pixels
+constexpr int kSide = 4;          // side of a block, in pixels
 constexpr float kSameSheet = 8;   // steps in depth between neighbours
 constexpr float kAcross = 1e-3f;  // least tangential share of a vector
 constexpr float kDarkest = 0.1f, kBrightest = 2.2f;

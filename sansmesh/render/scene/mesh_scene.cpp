@@ -15,10 +15,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr float kOffset = 2e-4f;          // of the diagonal: hides the rounding of floats
+constexpr float kOffset = 2e-4f;          // share of the diagonal: hides the rounding of floats
 constexpr float kDiscOverSpacing = 1.3f;  // discs at random positions leave exp(−π 1.3²) = 0.5 % uncovered
 constexpr float kBallOverSpacing = 0.8f;
-constexpr float kBehind = 1e-5f;  // of the diagonal: less would find the same triangle again
+constexpr float kBehind = 1e-5f;  // share of the diagonal: less would find the same triangle again
 
 /// Removes undrawable elements; keeps the order of the rest.
 Subject drawable(const TriangleMesh& mesh, std::span<const Vec3f> vectors) {

@@ -18,8 +18,8 @@ namespace sansmesh::inline v1 {
 /// The drawable part of a mesh, moved and scaled to a box with centre 0 and diagonal 1.
 struct Subject {
   TriangleMesh mesh;           ///< finite vertices, used by triangles if there are any; corners exist
-  std::vector<Vec3f> vectors;  ///< of a flow at the vertices; may be empty
-  float radius = 0;            ///< of points; 0 for triangles
+  std::vector<Vec3f> vectors;  ///< flow at the vertices; may be empty
+  float radius = 0;            ///< radius of points; 0 for triangles
   PictureFrame frame;          ///< position and size in world coordinates
   /// Opacity of a triangle that faces the viewer, 0..1; it increases at oblique angles.
   float opacity = 1;

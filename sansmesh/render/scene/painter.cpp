@@ -29,11 +29,11 @@ namespace {
 constexpr int kTile = 64;
 constexpr int kBlock = 17;               // pixels per batch of rays: a quarter of a tile with its rim
 constexpr int kCoherent = 4;             // side of squares of consecutive pixels in a batch
-constexpr float kOcclusionReach = 0.5f;  // of the diagonal, so that interiors are lit, too
+constexpr float kOcclusionReach = 0.5f;  // share of the diagonal, so that interiors are lit, too
 constexpr float kLightSpread = 0.13f;    // angular radius of the key light seen from the subject, radians
 constexpr int kExposureRays = 4;         // per sample, if only accessibility is shown
 constexpr float kBounce = 0.22f;         // light that occluders reflect instead of the sky
-constexpr float kFarthestLook = 1e9f;    // of the picture's centre from the scene, whose size is about 1
+constexpr float kFarthestLook = 1e9f;    // distance of the picture's centre from the scene, whose size is about 1
 constexpr double kMostZoom = 1e9;
 
 /// Rays of a block, and their answers.
@@ -466,7 +466,7 @@ class Painter::Work {
   PictureFrame frame_;
   std::vector<Spot> spots_;
   Vec3f foot_;
-  float footprint_ = 0;  // of a pixel at distance 1, or of parallel rays at any distance
+  float footprint_ = 0;  // width of a pixel at distance 1, or of parallel rays at any distance
   int rim_ = kSmooth;    // pixels around a tile
   Rgba paper_;           // empty pixels on a solid background
   float floor_ = 0, shadow_reach_ = 1;

@@ -33,7 +33,7 @@ struct SurfacePoint {
   float gloss = 1;     ///< strength of highlights
   Vec3f beyond{};      ///< light from mirrors and clear bodies, linear; added to the surface's own
   float opacity = 1;   ///< blocked share of the light from behind; only used in layers()
-  Vec3f vector{};      ///< of a flow at the point; 0 without flow
+  Vec3f vector{};      ///< flow vector at the point; 0 without flow
   float cover = 1;     ///< share of the ray's footprint that the surface covers; only used in closest()
 };
 

@@ -16,7 +16,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr float kRadius = 0.75f;  // of a disc, relative to h
+constexpr float kRadius = 0.75f;  // radius of a disc, relative to h
 constexpr float kGamma = 0.5f;
 constexpr std::int32_t kMostFronts = 100;
 constexpr float kLift = 0.5f;  // relative to h: shadow rays start above the neighbours' discs

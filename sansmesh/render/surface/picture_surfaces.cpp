@@ -20,7 +20,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kSheetsApart = 2e-5;  // of the diagonal: closer sheets may be the same one
+constexpr double kSheetsApart = 2e-5;  // share of the diagonal: closer sheets may be the same one
 
 /// Whether the painter averages over neighbouring pixels.
 bool soft_light(const RenderOptions& options) {

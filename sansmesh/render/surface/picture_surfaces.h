@@ -38,8 +38,9 @@ struct FlowLook {
 /// A surface with a flow along it.
 struct FlowSubject {
   TriangleMesh mesh;
-  std::vector<Vec3f> vectors;        ///< at the vertices, of any length; in unsteady flows at the vertex' own time
-  std::vector<std::int32_t> fronts;  ///< of the vertices: neighbouring numbers are neighbours in time; only for splats
+  std::vector<Vec3f> vectors;  ///< at the vertices, of any length; in unsteady flows at the vertex' own time
+  std::vector<std::int32_t>
+      fronts;  ///< fronts of the vertices: neighbouring numbers are neighbours in time; only for splats
 };
 
 /// A flow surface for several pictures: all pictures with the same frame share their data.

@@ -45,7 +45,7 @@ class RayWalk {
   double end() const { return end_; }
   double far() const { return far_; }
   bool hit() const { return hit_; }
-  double distance() const { return at_; }  ///< of the hit
+  double distance() const { return at_; }  ///< distance of the hit
   const Vec3f& normal() const { return normal_; }
   double radius() const { return radius_; }
   int evaluations() const { return evaluations_; }
@@ -84,7 +84,7 @@ class RayWalk {
   int known_ = 0;          // number of valid values among low_ and before_ in one stretch inside the domain
   Place low_, before_;     // the last sample and the one before it
   Place high_;             // other side of the surface, or the position to continue from after a dip
-  double residual_ = 0;    // of the previous sample, if it was aimed at this one; else 0
+  double residual_ = 0;    // residual of the previous sample, if it was aimed at this one; else 0
   double outside_value_ = 0;
   double outside_ = 0;       // the last position outside of the domain
   double inside_again_ = 0;  // a position beyond it that is inside

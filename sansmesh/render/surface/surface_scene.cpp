@@ -10,8 +10,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr float kShadowOffset = 2e-4f;     // of the diagonal: hides the rounding of floats
-constexpr float kOffSurface = 0.02f;       // of the ball's radius: many tolerances off the surface
+constexpr float kShadowOffset = 2e-4f;     // share of the diagonal: hides the rounding of floats
+constexpr float kOffSurface = 0.02f;       // share of the ball's radius: many tolerances off the surface
 constexpr double kDiscWidth = 1.3;         // discs at random positions leave exp(−π 1.3²) = 0.5 % uncovered
 constexpr float kParallelField = 0.27f;    // half the field of view of the background for parallel rays, a slope
 constexpr float kLeastWeight = 1.0f / 32;  // least share of light that is traced

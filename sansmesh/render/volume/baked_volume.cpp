@@ -25,10 +25,10 @@ using detail::kBrickSize;
 
 constexpr int kRootsAlong = 2;  // along the longest side
 constexpr int kMostLevels = 12;
-constexpr double kFinest = 0.5;  // of the spacing: cells as fine as this are not split
-constexpr double kCoarsest = 3;  // of the spacing: coarser cells could miss details, whatever their error
+constexpr double kFinest = 0.5;  // share of the spacing: cells as fine as this are not split
+constexpr double kCoarsest = 3;  // multiple of the spacing: coarser cells could miss details, whatever their error
 constexpr double kStubborn =
-    0.8;  // of its parent's error: a larger remaining error after a split indicates a jump instead of curvature
+    0.8;  // share of its parent's error: a larger remaining error after a split indicates a jump instead of curvature
 constexpr double kMissed = 1e9;             // urgency of bricks that hold samples but no point found inside
 constexpr std::size_t kEnoughChecked = 50;  // one in so many check points inside is enough
 constexpr std::size_t kBrickBatch = 96;
@@ -63,14 +63,14 @@ struct BakedVolume::State {
     std::int32_t branch = 0;  ///< its entry in `branches`
     int level = 0;
     std::array<int, 3> at{};    ///< in bricks of its level
-    float least = 0, most = 0;  ///< of its nodes
+    float least = 0, most = 0;  ///< range of its nodes
     double error = 0;           ///< at the centres of its cells in the volume
-    double spacing = 0;         ///< of the field
+    double spacing = 0;         ///< spacing of the field
     double parent_error = 0;
     double held = std::numeric_limits<double>::infinity();  ///< least spacing at the samples in it, for `none`
     int stubborn = 0;  ///< consecutive generations without improvement by splitting
     Inside inside = Inside::none;
-    std::vector<std::uint8_t> mask;  ///< of nodes, for `some`
+    std::vector<std::uint8_t> mask;  ///< mask of nodes, for `some`
   };
 
   const VolumeField* field;

@@ -15,9 +15,9 @@ struct ValueHistogram {
   static constexpr std::size_t kBins = 256;
   double least = 0, most = 0;     ///< range of all values
   double lower = 0, upper = 0;    ///< range of the bins: all but a thousandth at each end
-  double diagonal = 0;            ///< of the volume's box; 0: unknown
+  double diagonal = 0;            ///< diagonal of the volume's box; 0: unknown
   double across = 0;              ///< approximate mean length inside the volume of rays that meet its box; 0: unknown
-  std::vector<double> share;      ///< of the values in each bin; values beyond count in the outermost ones. Sum 1
+  std::vector<double> share;      ///< share of the values in each bin; values beyond count in the outermost ones. Sum 1
   std::vector<double> steepness;  ///< mean gradient length per bin; 0 for empty bins or unknown gradients
 
   double value(std::size_t bin) const { return lower + (static_cast<double>(bin) + 0.5) / kBins * (upper - lower); }

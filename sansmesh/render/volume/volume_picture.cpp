@@ -337,7 +337,7 @@ class VolumePicture::Work {
   }
 
   VolumeSubject subject_;
-  Box3 box_;                    // of the boundary
+  Box3 box_;                    // box of the boundary
   std::vector<Vec3f> outline_;  // points that frame the picture
   PictureFrame frame_;
   VolumeCells cells_;

@@ -119,7 +119,7 @@ void VolumeStretches::find(std::span<const VolumeRay> rays, std::span<const Volu
       const double along = dot(n, rays[i].direction) * frame_.size;
       const double from = dot(n, to_world(frame_, rays[i], 0)) - cut.offset;  // > 0: on the removed side
       constexpr double kFar = std::numeric_limits<double>::infinity();
-      double begin = -kFar, end = kFar;  // of the removed part
+      double begin = -kFar, end = kFar;  // removed part
       if (along == 0) {
         if (!(from > 0 && from < cut.thickness)) continue;
       } else {

@@ -13,9 +13,9 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kReferenceShare = 0.02;  // default reference length, as a share of the diagonal
-constexpr int kMostPieces = 10;           // of a step, with separate integrals
+constexpr int kMostPieces = 10;           // pieces of a step with separate integrals
 constexpr double kFlat = 1e-6;            // least distance of table coordinates for a difference quotient
-constexpr double kBent = 0.25;      // of the range: largest difference between a value and the prediction of a slope
+constexpr double kBent = 0.25;  // share of the range: largest difference between a value and the prediction of a slope
 constexpr double kShortest = 0.05;  // least share of a step that is halved
 constexpr int kRootRounds = 10;
 constexpr float kGrazing = 0.4f;
@@ -53,7 +53,7 @@ struct VolumeTracer::Sample {
 struct VolumeTracer::Walk {
   Vec3 origin, direction;
   Vec3f half;                           // half-way vector of key light and eye, for highlights
-  std::uint32_t slot = 0;               // of the ray's answer
+  std::uint32_t slot = 0;               // index of the ray's answer
   std::uint32_t stretch = 0, last = 0;  // the next one, and their end
   RayStretch now;
   bool within = false, begun = false, started = false;  // in a stretch; at its begin; `before` is valid

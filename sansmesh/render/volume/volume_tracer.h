@@ -83,10 +83,10 @@ class VolumeTracer {
   const VolumePictureOptions& options_;
   bool separate_ = false;
   double extinction_ = 0;                     // per picture length, for extinction 1 per reference length
-  double value_range_ = 0, other_range_ = 0;  // of the transfer function
+  double value_range_ = 0, other_range_ = 0;  // ranges of the transfer function
   double weak_ = 0;                           // gradient length (per picture length) at which a surface counts half
   float footprint_ = 0;                       // width of a pixel at distance 1, or of parallel rays at any distance
-  std::optional<double> least_shown_;         // of values on faces of gaps, if only iso-surfaces are visible
+  std::optional<double> least_shown_;         // least value on faces of gaps, if only iso-surfaces are visible
   std::vector<std::uint8_t> clear_;           // per cell: 0, or 1 + the number of clear layers around it
   std::vector<Vec3f> iso_colors_;
 };
