@@ -7,25 +7,16 @@
 #include <span>
 
 #include "sansmesh/progress.h"
+#include "sansmesh/render/volume/bake_options.h"
 #include "sansmesh/report.h"
 #include "sansmesh/vec.h"
 #include "sansmesh/volume_field.h"
 #include "sansmesh/volume_look.h"
 
 namespace sansmesh::inline v1 {
-
-struct BakeOptions {
-  /// Error above which bricks are split: a share of the range of the values, 1e-6..1.
-  double tolerance = kBakeError;
-  /// Memory limit of the nodes in bytes, at least 1 MB; bricks of the smallest errors are not split.
-  std::size_t memory = std::size_t{128} << 20;
-  /// Points known to be in the volume or on its boundary, usually its samples; non-finite ones are left out. A brick
-  /// without points found inside is split while it contains some of these, until its cells are as fine as the local
-  /// spacing: only these points reveal thin shells and small parts. They must outlive refine(), like the field.
-  std::span<const Vec3> places = {};
-  /// Throws ArgumentError naming the field.
-  void validate() const;
-};
+namespace detail {
+struct BakedBricks;
+}  // namespace detail
 
 /// Bricks of 8³ cells with values and gradients at the 9³ nodes and trilinear interpolation; the tree splits bricks
 /// into eight. Where bricks of different size meet, nodes of the finer one take the values of the coarser one. So
@@ -57,8 +48,9 @@ class BakedVolume : public VolumeField {
   void ranges(std::span<const Box3> boxes, std::span<ValueRange> found) const override;
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  void summarize();
+
+  std::unique_ptr<detail::BakedBricks> bricks_;
 };
 
 }  // namespace sansmesh::inline v1
