@@ -3,16 +3,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "sansmesh/render/scene/camera.h"
-#include "sansmesh/render/scene/lighting.h"
 #include "sansmesh/render/scene/picture_scene.h"
-#include "sansmesh/render/volume/transfer_table.h"
+#include "sansmesh/render/volume/traced_walk.h"
 #include "sansmesh/render/volume/volume_cells.h"
+#include "sansmesh/render/volume/volume_light.h"
 #include "sansmesh/render/volume/volume_stretches.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/volume_field.h"
@@ -50,45 +48,27 @@ class VolumeTracer {
   std::size_t trace(const EyeRays& rays, std::span<TracedLight> lights) const;
 
  private:
-  struct Sample;
-  struct Walk;
-  struct Root;
+  using TracedWalk = detail::TracedWalk;
+  using TracedSample = detail::TracedSample;
+  using IsoRoot = detail::IsoRoot;
   struct Layer;
   struct Scratch;
 
   void find_layers(const EyeRays& rays, Scratch& scratch) const;
-  bool next_stretch(Walk& walk, const Scratch& scratch) const;
-  bool next_place(Walk& walk, const Scratch& scratch) const;
-  double footprint(double t) const;  ///< width of a pixel at distance t
+  bool next_stretch(TracedWalk& walk, const Scratch& scratch) const;
+  bool next_place(TracedWalk& walk, const Scratch& scratch) const;
   double step_at(std::size_t cell, double t) const;
-  bool too_far(const Walk& walk, const Sample& now) const;
+  bool too_far(const TracedWalk& walk, const TracedSample& now) const;
   std::size_t evaluate(Scratch& scratch) const;
-  std::size_t find_roots(Scratch& scratch) const;
-  void shade(const Walk& walk, Sample& sample, bool surface) const;
-  void go_through(Walk& walk, Sample& a, Sample& b, std::span<Root> roots) const;
-  void absorb(Walk& walk, const Sample& a, const Sample& b, double from, double to) const;
-  void lay(Walk& walk, const Vec3f& light, double opacity) const;
-  void cut_face(Walk& walk, const Sample& sample) const;
-  bool may_pass_face(const Walk& walk, const Sample& now) const;
-  std::size_t find_faces(Scratch& scratch) const;
-  void gap_face(Walk& walk, const Sample& sample) const;
-  Vec3 world(const Walk& walk, double t) const;
+  void take_step(TracedWalk& walk, TracedSample& now, std::span<IsoRoot> roots) const;
 
   TracedVolume volume_;
-  bool parallel_ = false;  // the camera's rays are parallel
-  Lighting lighting_;
-  TransferFunction transfer_;
-  TransferTable colors_;  // with extinctions; colours only if opacities are of another array
-  TransferTable depths_;
+  detail::TracedFrame frame_;
+  detail::VolumeLight light_;
   const VolumePictureOptions& options_;
   bool separate_ = false;
-  double extinction_ = 0;                     // per picture length, for extinction 1 per reference length
   double value_range_ = 0, other_range_ = 0;  // ranges of the transfer function
-  double weak_ = 0;                           // gradient length (per picture length) at which a surface counts half
-  float footprint_ = 0;                       // width of a pixel at distance 1, or of parallel rays at any distance
-  std::optional<double> least_shown_;         // least value on faces of gaps, if only iso-surfaces are visible
   std::vector<std::uint8_t> clear_;           // per cell: 0, or 1 + the number of clear layers around it
-  std::vector<Vec3f> iso_colors_;
 };
 
 }  // namespace sansmesh::inline v1
