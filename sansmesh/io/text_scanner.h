@@ -5,7 +5,15 @@
 #include <cstring>
 #include <string_view>
 
+#include "sansmesh/vec.h"
+
 namespace sansmesh::inline v1::io {
+
+/// Text without the byte order mark that some editors write.
+inline std::string_view without_byte_order_mark(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text;
+}
 
 /// A position in text. Blanks are space, tab, carriage return, form feed and vertical tab; a line ends at a line feed.
 class TextScanner {
@@ -63,6 +71,9 @@ class TextScanner {
     p_ = stop;
     return true;
   }
+
+  /// Reads three numbers.
+  bool vector(Vec3& v) { return number(v.x) && number(v.y) && number(v.z); }
 
  private:
   static bool overflowed(const char* start, const char* stop) {

@@ -77,9 +77,54 @@ std::optional<FormatId> format_of_volume(const Input& in, const std::string& xml
     case FormatId::cgns:
       return by_content;
     default:
+      return io::read_vega(in);
+  }
+}
+
+GridData read_any_volume(const std::string& file, const VolumeReadOptions& options, ReadReport& report,
+                         bool inside_collection) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored))
+    return io::read_by_vtk({file, io::VtkFormat::dicom, {}, options.time_step});
+  // OpenFOAM users open an empty file of this kind only to name its folder.
+  if (volume_format_of_name(file) == FormatId::openfoam && std::filesystem::exists(file, ignored))
+    return io::read_by_vtk({file, io::VtkFormat::openfoam, {}, options.time_step});
+  const io::FileContent content(file);
+  const Input in{file, content.bytes(), report};
+  if (options.raw.given()) return read_single_step(in, FormatId::raw, options);
+  const std::string xml_type = vtk_xml_type(in);
+  const FormatId format = format_of_volume(in, xml_type).value_or(FormatId::archive);
+  if (const auto vtk = vtk_format(format)) {
+    check_vtk_file(in, format, xml_type);
+    if (content.gzipped()) in.fail("files of this format are not read gzipped: unpack it first");
+    return io::read_by_vtk({file, *vtk, xml_type, options.time_step});
+  }
+  switch (format) {
+    case FormatId::metaimage:
+      return io::read_metaimage(in, options.time_step);
+    case FormatId::nrrd:
+      return io::read_nrrd(in, options.time_step);
+    case FormatId::nek_series:
+      return io::read_nek_series(in, options.time_step);
+    case FormatId::pvd:
+    case FormatId::series:
+      if (inside_collection) in.fail("is a collection inside another one");
+      return read_collection(in, options, report);
+    case FormatId::fitted_volume:
+      in.fail("is a fitted volume, which holds samples and no grid: it is read on its own");
+    case FormatId::raw:
+    case FormatId::plot3d:
+    case FormatId::table:
+    case FormatId::nek_field:
+    case FormatId::gmsh:
+    case FormatId::medit:
+    case FormatId::tetgen:
+    case FormatId::vega:
+      return read_single_step(in, format, options);
+    default:
       break;
   }
-  const std::string name = io::ending(in.file);
+  const std::string name = io::ending(file);
   if (name == "xyz" || name == "g" || name == "dat") return io::is_plot3d(in) ? FormatId::plot3d : by_name;
   if (!by_name && io::is_plot3d(in)) return FormatId::plot3d;
   return by_name;
@@ -110,98 +155,68 @@ GridData scattered_points(const std::string& file, ReadReport& report) {
   return data;
 }
 
-GridData read_by_vtk_checked(const Input& in, io::VtkFormat format, const std::string& xml_type,
-                             const VolumeReadOptions& options, bool gzipped) {
-  if (gzipped) in.fail("files of this format are not read gzipped: unpack it first");
-  return io::read_by_vtk({in.file, format, xml_type, options.time_step});
-}
-
 GridData read_collection(const Input& in, const VolumeReadOptions& options, ReadReport& report);
 
-GridData read_any_volume(const std::string& file, const VolumeReadOptions& options, ReadReport& report,
-                         bool inside_collection) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored))
-    return io::read_by_vtk({file, io::VtkFormat::dicom, {}, options.time_step});
-  // OpenFOAM users open an empty file of this kind only to name its folder.
-  if (volume_format_of_name(file) == FormatId::openfoam && std::filesystem::exists(file, ignored))
-    return io::read_by_vtk({file, io::VtkFormat::openfoam, {}, options.time_step});
-  const io::FileContent content(file);
-  const Input in{file, content.bytes(), report};
-  const auto only_step = [&] { io::check_time_step(file, options.time_step, 1); };
-  if (options.raw.given()) {
-    only_step();
-    return io::read_raw(in, options.raw);
-  }
-  const std::string xml_type = vtk_xml_type(in);
-  const auto by_vtk = [&](io::VtkFormat format) {
-    return read_by_vtk_checked(in, format, xml_type, options, content.gzipped());
-  };
-  const auto format = format_of_volume(in, xml_type);
-  switch (format.value_or(FormatId::archive)) {
-    case FormatId::metaimage:
-      return io::read_metaimage(in, options.time_step);
-    case FormatId::nrrd:
-      return io::read_nrrd(in, options.time_step);
-    case FormatId::raw: {
-      const auto layout = io::raw_layout_of_name(file);
-      if (!layout) {
-        in.fail(
-            "holds numbers without a header: give their layout, or name it like engine_256x256x128_uint8.raw, or "
-            "write a MetaImage header (.mhd) for it");
-      }
-      only_step();
-      return io::read_raw(in, *layout);
-    }
-    case FormatId::plot3d:
-      only_step();
-      return io::read_plot3d(in, options.solution);
-    case FormatId::table:
-      only_step();
-      return scattered_points(file, report);
-    case FormatId::pvd:
-    case FormatId::series:
-      if (inside_collection) in.fail("is a collection inside another one");
-      return read_collection(in, options, report);
+/// Checks the beginning of a file that the module reads, so that damage is reported before VTK allocates memory.
+void check_vtk_file(const Input& in, FormatId format, const std::string& xml_type) {
+  switch (format) {
     case FormatId::vtk_xml:
       if (xml_type.empty()) in.fail("is not a file of VTK's in XML, as its ending says it should be");
-      io::check_vtk_xml_size(in);
-      return by_vtk(io::VtkFormat::xml);
+      return io::check_vtk_xml_size(in);
     case FormatId::vtk_legacy:
       if (!in.bytes.starts_with("# vtk DataFile")) in.fail("does not begin with '# vtk DataFile', as its ending says");
-      io::check_vtk_legacy_size(in);
-      return by_vtk(io::VtkFormat::legacy);
+      return io::check_vtk_legacy_size(in);
     case FormatId::exodus:
-      if (in.bytes.starts_with("CDF")) io::check_netcdf_size(in);
-      if (in.bytes.starts_with("CDF") || in.bytes.starts_with("\x89HDF")) return by_vtk(io::VtkFormat::exodus);
+      if (in.bytes.starts_with("CDF")) return io::check_netcdf_size(in);
+      if (in.bytes.starts_with("\x89HDF")) return;
       in.fail("is neither Exodus (NetCDF, HDF5) nor PLOT3D of a size that fits its header");
-    case FormatId::ensight:
-      return by_vtk(io::VtkFormat::ensight);
     case FormatId::cgns:
       if (in.bytes.substr(0, 64).find("ADF Database") != std::string_view::npos) io::check_adf_size(in);
-      return by_vtk(io::VtkFormat::cgns);
-    case FormatId::openfoam:
-      return by_vtk(io::VtkFormat::openfoam);
-    case FormatId::dicom:
-      return by_vtk(io::VtkFormat::dicom);
+      return;
+    default:
+      return;
+  }
+}
+
+std::optional<io::VtkFormat> vtk_format(FormatId format) {
+  constexpr std::pair<FormatId, io::VtkFormat> formats[] = {
+      {FormatId::vtk_xml, io::VtkFormat::xml},   {FormatId::vtk_legacy, io::VtkFormat::legacy},
+      {FormatId::exodus, io::VtkFormat::exodus}, {FormatId::ensight, io::VtkFormat::ensight},
+      {FormatId::cgns, io::VtkFormat::cgns},     {FormatId::openfoam, io::VtkFormat::openfoam},
+      {FormatId::dicom, io::VtkFormat::dicom}};
+  for (const auto& [id, vtk] : formats)
+    if (id == format) return vtk;
+  return std::nullopt;
+}
+
+RawLayout named_layout(const Input& in) {
+  const auto layout = io::raw_layout_of_name(file);
+  if (!layout)
+    in.fail(
+        "holds numbers without a header: give their layout, or name it like engine_256x256x128_uint8.raw, or "
+        "write a MetaImage header (.mhd) for it");
+  return *layout;
+}
+
+/// Reads formats with a single step.
+GridData read_single_step(const Input& in, FormatId format, const VolumeReadOptions& options) {
+  io::check_time_step(file, options.time_step, 1);
+  switch (format) {
+    case FormatId::raw:
+      return io::read_raw(in, options.raw.given() ? options.raw : named_layout(in));
+    case FormatId::plot3d:
+      return io::read_plot3d(in, options.solution);
+    case FormatId::table:
+      return scattered_points(file, in.report);
     case FormatId::nek_field:
-      only_step();
       return io::read_nek_field(in);
-    case FormatId::nek_series:
-      return io::read_nek_series(in, options.time_step);
-    case FormatId::fitted_volume:
-      in.fail("is a fitted volume, which holds samples and no grid: it is read on its own");
     case FormatId::gmsh:
-      only_step();
       return io::read_gmsh(in);
     case FormatId::medit:
-      only_step();
       return io::read_medit(in);
     case FormatId::tetgen:
-      only_step();
       return io::read_tetgen_pair(in);
     case FormatId::vega:
-      only_step();
       return io::read_vega(in);
     default:
       break;

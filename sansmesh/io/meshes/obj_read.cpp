@@ -84,7 +84,7 @@ class ObjReader {
 
   void normal(TextScanner& words) {
     Vec3 n;
-    if (!words.number(n.x) || !words.number(n.y) || !words.number(n.z)) malformed("a normal needs three components");
+    if (!words.vector(n)) malformed("a normal needs three components");
     normals_.push_back(Vec3f(n));
   }
 

@@ -90,7 +90,7 @@ void read_ascii(const Input& in, PointSet& points, Welder& weld) {
     const std::string_view key = words.word();
     if (key == "vertex" || key == "VERTEX") {
       Vec3 p;
-      if (!words.number(p.x) || !words.number(p.y) || !words.number(p.z)) {
+      if (!words.vector(p)) {
         in.fail(fmt::format("line {}: a vertex needs three coordinates", grouped(number)));
       }
       if (filled == 3) in.fail(fmt::format("line {}: a facet with more than three vertices", grouped(number)));

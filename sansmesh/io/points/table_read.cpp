@@ -291,25 +291,11 @@ std::optional<ColumnType> type_of_column(const std::vector<double>& cells, std::
   return ColumnType{NumberType::f64};
 }
 
-}  // namespace
-
-PointSet read_table(const Input& in) {
-  std::string_view bytes = in.bytes;
-  if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);  // byte order mark
-  if (bytes.substr(0, 4096).find('\0') != std::string_view::npos)
-    in.fail("is not text, as its ending says it should be");
-  std::string with_points;
-  Head head = read_head(in, bytes, with_points);
-  const std::string extension = ending(in.file);
-  const bool normals_by_ending =
-      head.columns == 6 && (extension == "pwn" || extension == "xyzn" || extension == "npts");
-  const ColumnMeaning meaning = head.names ? *head.names : meaning_of_values(first_rows(head), normals_by_ending);
-  Layout layout = make_layout(in, meaning, head.columns);
-  Rows read = read_rows(in, head, layout);
-  if (head.announced) *head.announced += read.announced;
+/// The further columns as attributes, whose types are known only after the rows were read. 64-bit integers are read
+/// again, because a double rounds them.
+std::vector<NamedColumns> other_columns(const Input& in, const Head& head, const ColumnMeaning& meaning, Layout& layout,
+                                        Rows& read) {
   const std::size_t width = static_cast<std::size_t>(layout.width);
-
-  // The types of further columns are known only now; 64-bit integers are read again, because a double rounds them.
   std::vector<NamedColumns> others;
   std::string without;
   bool again = false;
@@ -327,25 +313,18 @@ PointSet read_table(const Input& in) {
   }
   if (!without.empty()) in.warn("columns without numbers were left out: " + without);
   if (again) read = read_rows(in, head, layout);
-  const std::vector<double>& table = read.cells;
   for (NamedColumns& other : others) {
     Column& c = other.components[0];
-    c.at = reinterpret_cast<const char*>(table.data() + c.stride);
+    c.at = reinterpret_cast<const char*>(read.cells.data() + c.stride);
     c.stride = width * sizeof(double);
   }
-  const std::size_t rows = table.size() / width;
-  if (rows == 0) in.fail("holds no points");
+  return others;
+}
 
-  // Count, points, then as many normals.
-  const bool normals_below = head.announced && head.columns == 3 && *head.announced > 0 && rows == 2 * *head.announced;
-  const std::size_t n = normals_below ? rows / 2 : rows;
-  if (head.announced && n < *head.announced) {
-    in.fail(fmt::format("truncated: announces {} points, holds {}", grouped(*head.announced), grouped(n)));
-  }
-  if (head.announced && n > *head.announced) {
-    in.warn(fmt::format("announces {} points, holds {}", grouped(*head.announced), grouped(n)));
-  }
-
+/// Positions, normals and colours of n points; `normals_below`: as many rows of normals follow the positions.
+CloudColumns cloud_columns(const ColumnMeaning& meaning, const Layout& layout, const std::vector<double>& table,
+                           std::size_t n, bool normals_below) {
+  const std::size_t width = static_cast<std::size_t>(layout.width);
   const auto column = [&](int k, std::size_t first_row = 0) {
     const int c = meaning.column[k];
     if (c < 0) return Column{};
@@ -361,18 +340,47 @@ PointSet read_table(const Input& in) {
       cloud.normal[k] = column(3 + k);
     if (meaning.has(6)) cloud.color[k] = column(6 + k);
   }
-  if (meaning.has(6)) {
-    // Fractions only if some colour is not an integer.
-    cloud.whole_colors = true;
-    for (std::size_t i = 0; i < n && cloud.whole_colors; ++i) {
-      for (int k = 0; k < 3; ++k) {
-        const double c = cloud.color[k][i];
-        if (std::isfinite(c) && c != std::floor(c)) cloud.whole_colors = false;
-      }
+  if (!meaning.has(6)) return cloud;
+  // Fractions only if some colour is not an integer.
+  cloud.whole_colors = true;
+  for (std::size_t i = 0; i < n && cloud.whole_colors; ++i) {
+    for (int k = 0; k < 3; ++k) {
+      const double c = cloud.color[k][i];
+      if (std::isfinite(c) && c != std::floor(c)) cloud.whole_colors = false;
     }
   }
+  return cloud;
+}
+
+}  // namespace
+
+PointSet read_table(const Input& in) {
+  const std::string_view bytes = without_byte_order_mark(in.bytes);
+  if (bytes.substr(0, 4096).find('\0') != std::string_view::npos)
+    in.fail("is not text, as its ending says it should be");
+  std::string with_points;
+  Head head = read_head(in, bytes, with_points);
+  const std::string extension = ending(in.file);
+  const bool normals_by_ending =
+      head.columns == 6 && (extension == "pwn" || extension == "xyzn" || extension == "npts");
+  const ColumnMeaning meaning = head.names ? *head.names : meaning_of_values(first_rows(head), normals_by_ending);
+  Layout layout = make_layout(in, meaning, head.columns);
+  Rows read = read_rows(in, head, layout);
+  if (head.announced) *head.announced += read.announced;
+  const std::vector<NamedColumns> others = other_columns(in, head, meaning, layout, read);
+  const std::size_t rows = read.cells.size() / static_cast<std::size_t>(layout.width);
+  if (rows == 0) in.fail("holds no points");
+
+  // Count, points, then as many normals.
+  const bool normals_below = head.announced && head.columns == 3 && *head.announced > 0 && rows == 2 * *head.announced;
+  const std::size_t n = normals_below ? rows / 2 : rows;
+  if (head.announced && n < *head.announced)
+    in.fail(fmt::format("truncated: announces {} points, holds {}", grouped(*head.announced), grouped(n)));
+  if (head.announced && n > *head.announced)
+    in.warn(fmt::format("announces {} points, holds {}", grouped(*head.announced), grouped(n)));
+
   PointSet points;
-  decode_columns(in, cloud, n, points);
+  decode_columns(in, cloud_columns(meaning, layout, read.cells, n, normals_below), n, points);
   points.attributes = decode_attributes(in, others, n);
   in.report.format = fmt::format("text, {} columns{}{}", head.columns, points.has_normals() ? ", normals" : "",
                                  points.has_colors() ? ", colours" : "");

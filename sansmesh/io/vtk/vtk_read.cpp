@@ -84,8 +84,7 @@ class CaptureWindow : public vtkOutputWindow {
     else if (error.empty())
       error = message;
   }
-  /// Extracts the message: "ERROR: In file.cxx, line 12
-  /// vtkReader (0x12): what it is" → "what it is"
+  /// Extracts the message after "ERROR: In file.cxx, line 12" and a line break: "vtkReader (0x12): cause" → "cause".
   static std::string message_of(const char* text) {
     std::string s = text ? text : "";
     const std::size_t place = s.find(": In "), end = s.find('\n');
