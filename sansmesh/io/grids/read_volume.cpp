@@ -77,54 +77,9 @@ std::optional<FormatId> format_of_volume(const Input& in, const std::string& xml
     case FormatId::cgns:
       return by_content;
     default:
-      return io::read_vega(in);
-  }
-}
-
-GridData read_any_volume(const std::string& file, const VolumeReadOptions& options, ReadReport& report,
-                         bool inside_collection) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(file, ignored))
-    return io::read_by_vtk({file, io::VtkFormat::dicom, {}, options.time_step});
-  // OpenFOAM users open an empty file of this kind only to name its folder.
-  if (volume_format_of_name(file) == FormatId::openfoam && std::filesystem::exists(file, ignored))
-    return io::read_by_vtk({file, io::VtkFormat::openfoam, {}, options.time_step});
-  const io::FileContent content(file);
-  const Input in{file, content.bytes(), report};
-  if (options.raw.given()) return read_single_step(in, FormatId::raw, options);
-  const std::string xml_type = vtk_xml_type(in);
-  const FormatId format = format_of_volume(in, xml_type).value_or(FormatId::archive);
-  if (const auto vtk = vtk_format(format)) {
-    check_vtk_file(in, format, xml_type);
-    if (content.gzipped()) in.fail("files of this format are not read gzipped: unpack it first");
-    return io::read_by_vtk({file, *vtk, xml_type, options.time_step});
-  }
-  switch (format) {
-    case FormatId::metaimage:
-      return io::read_metaimage(in, options.time_step);
-    case FormatId::nrrd:
-      return io::read_nrrd(in, options.time_step);
-    case FormatId::nek_series:
-      return io::read_nek_series(in, options.time_step);
-    case FormatId::pvd:
-    case FormatId::series:
-      if (inside_collection) in.fail("is a collection inside another one");
-      return read_collection(in, options, report);
-    case FormatId::fitted_volume:
-      in.fail("is a fitted volume, which holds samples and no grid: it is read on its own");
-    case FormatId::raw:
-    case FormatId::plot3d:
-    case FormatId::table:
-    case FormatId::nek_field:
-    case FormatId::gmsh:
-    case FormatId::medit:
-    case FormatId::tetgen:
-    case FormatId::vega:
-      return read_single_step(in, format, options);
-    default:
       break;
   }
-  const std::string name = io::ending(file);
+  const std::string name = io::ending(in.file);
   if (name == "xyz" || name == "g" || name == "dat") return io::is_plot3d(in) ? FormatId::plot3d : by_name;
   if (!by_name && io::is_plot3d(in)) return FormatId::plot3d;
   return by_name;
@@ -190,7 +145,7 @@ std::optional<io::VtkFormat> vtk_format(FormatId format) {
 }
 
 RawLayout named_layout(const Input& in) {
-  const auto layout = io::raw_layout_of_name(file);
+  const auto layout = io::raw_layout_of_name(in.file);
   if (!layout)
     in.fail(
         "holds numbers without a header: give their layout, or name it like engine_256x256x128_uint8.raw, or "
@@ -200,14 +155,14 @@ RawLayout named_layout(const Input& in) {
 
 /// Reads formats with a single step.
 GridData read_single_step(const Input& in, FormatId format, const VolumeReadOptions& options) {
-  io::check_time_step(file, options.time_step, 1);
+  io::check_time_step(in.file, options.time_step, 1);
   switch (format) {
     case FormatId::raw:
       return io::read_raw(in, options.raw.given() ? options.raw : named_layout(in));
     case FormatId::plot3d:
       return io::read_plot3d(in, options.solution);
     case FormatId::table:
-      return scattered_points(file, in.report);
+      return scattered_points(in.file, in.report);
     case FormatId::nek_field:
       return io::read_nek_field(in);
     case FormatId::gmsh:
@@ -216,8 +171,51 @@ GridData read_single_step(const Input& in, FormatId format, const VolumeReadOpti
       return io::read_medit(in);
     case FormatId::tetgen:
       return io::read_tetgen_pair(in);
-    case FormatId::vega:
+    default:
       return io::read_vega(in);
+  }
+}
+
+GridData read_any_volume(const std::string& file, const VolumeReadOptions& options, ReadReport& report,
+                         bool inside_collection) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored))
+    return io::read_by_vtk({file, io::VtkFormat::dicom, {}, options.time_step});
+  // OpenFOAM users open an empty file of this kind only to name its folder.
+  if (volume_format_of_name(file) == FormatId::openfoam && std::filesystem::exists(file, ignored))
+    return io::read_by_vtk({file, io::VtkFormat::openfoam, {}, options.time_step});
+  const io::FileContent content(file);
+  const Input in{file, content.bytes(), report};
+  if (options.raw.given()) return read_single_step(in, FormatId::raw, options);
+  const std::string xml_type = vtk_xml_type(in);
+  const FormatId format = format_of_volume(in, xml_type).value_or(FormatId::archive);
+  if (const auto vtk = vtk_format(format)) {
+    check_vtk_file(in, format, xml_type);
+    if (content.gzipped()) in.fail("files of this format are not read gzipped: unpack it first");
+    return io::read_by_vtk({file, *vtk, xml_type, options.time_step});
+  }
+  switch (format) {
+    case FormatId::metaimage:
+      return io::read_metaimage(in, options.time_step);
+    case FormatId::nrrd:
+      return io::read_nrrd(in, options.time_step);
+    case FormatId::nek_series:
+      return io::read_nek_series(in, options.time_step);
+    case FormatId::pvd:
+    case FormatId::series:
+      if (inside_collection) in.fail("is a collection inside another one");
+      return read_collection(in, options, report);
+    case FormatId::fitted_volume:
+      in.fail("is a fitted volume, which holds samples and no grid: it is read on its own");
+    case FormatId::raw:
+    case FormatId::plot3d:
+    case FormatId::table:
+    case FormatId::nek_field:
+    case FormatId::gmsh:
+    case FormatId::medit:
+    case FormatId::tetgen:
+    case FormatId::vega:
+      return read_single_step(in, format, options);
     default:
       break;
   }
