@@ -69,8 +69,6 @@ std::string directions_of(const GridBlock& block, bool rows) {
 }
 
 std::vector<std::string> to_vti(const GridBlock& block, const LatticeSteps& s) {
-  constexpr const char* names[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
-                                   "UInt32", "Int64", "UInt64", "Float32", "Float64"};
   const std::string extent = fmt::format("0 {} 0 {} 0 {}", s.size[0] - 1, s.size[1] - 1, s.size[2] - 1);
   std::string xml = fmt::format(
       "<?xml version=\"1.0\"?>\n"
@@ -85,7 +83,7 @@ std::vector<std::string> to_vti(const GridBlock& block, const LatticeSteps& s) {
   for (const Attribute& a : block.point_arrays) {
     xml += fmt::format(
         "        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
-        names[static_cast<std::size_t>(a.type())], io::to_xml(a.name), a.components, offset);
+        io::vtk_type_name(a.type()), io::to_xml(a.name), a.components, offset);
     std::string bytes = bytes_of(a);
     const std::uint64_t size = bytes.size();
     std::string head(sizeof(size), '\0');

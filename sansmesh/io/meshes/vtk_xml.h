@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "sansmesh/attribute_table.h"
 #include "sansmesh/io/input.h"
 #include "sansmesh/io/text_scanner.h"
 
@@ -40,6 +41,10 @@ class XmlScanner {
   const char* p_;
   const char* end_;
 };
+
+/// VTK's name of a type: "Float32".
+const char* vtk_type_name(NumberType type);
+std::optional<NumberType> vtk_type_of_name(std::string_view name);
 
 /// Replaces the entities of an attribute's value (&amp; &#65; …) by their characters, and back.
 std::string from_xml(std::string_view value);

@@ -193,7 +193,8 @@ class VtpReader {
              tag["type"] == "UInt8" && names_colors(lower_name, name))
       target = &piece_.colors;
     const bool attribute = !target && (section == "PointData" || section == "CellData");
-    if (attribute ? !find_type(tag["type"]) || components == 0 || components > kMostComponents : !target || *target)
+    if (attribute ? !vtk_type_of_name(tag["type"]) || components == 0 || components > kMostComponents
+                  : !target || *target)
       return;
     if (section == "Points" && components != 3) in_.fail("malformed VTP: points without 3 components");
 
@@ -235,19 +236,8 @@ class VtpReader {
     return name.empty() || name == piece_.scalars_name || has("color") || has("colour") || has("rgb") || has("diffuse");
   }
 
-  static std::optional<NumberType> find_type(std::string_view t) {
-    constexpr std::pair<std::string_view, NumberType> types[] = {
-        {"Int8", NumberType::i8},    {"UInt8", NumberType::u8},   {"Int16", NumberType::i16},
-        {"UInt16", NumberType::u16}, {"Int32", NumberType::i32},  {"UInt32", NumberType::u32},
-        {"Int64", NumberType::i64},  {"UInt64", NumberType::u64}, {"Float32", NumberType::f32},
-        {"Float64", NumberType::f64}};
-    for (const auto& [name, type] : types) {
-      if (name == t) return type;
-    }
-    return std::nullopt;
-  }
   NumberType parse_type(std::string_view t) const {
-    if (const auto type = find_type(t)) return *type;
+    if (const auto type = vtk_type_of_name(t)) return *type;
     in_.fail(fmt::format("malformed VTP: unknown type '{}' of an array", t));
   }
 

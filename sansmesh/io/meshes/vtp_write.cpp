@@ -10,12 +10,6 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-const char* vtk_type(NumberType type) {
-  constexpr const char* names[] = {"Int8",   "UInt8", "Int16",  "UInt16",  "Int32",
-                                   "UInt32", "Int64", "UInt64", "Float32", "Float64"};
-  return names[static_cast<std::size_t>(type)];
-}
-
 /// The XML and its appended data, built array by array.
 class VtpFile {
  public:
@@ -31,7 +25,7 @@ class VtpFile {
   void array(int depth, std::string_view name, std::size_t components, std::size_t numbers, At&& at) {
     using T = std::decay_t<decltype(at(std::size_t{}))>;
     const std::string tag = fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"",
-                                        vtk_type(number_type_of<T>()), to_xml(name), components);
+                                        vtk_type_name(number_type_of<T>()), to_xml(name), components);
     if (ascii_) {
       line(depth, tag + " format=\"ascii\">");
       std::vector<std::string> rows;

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "sansmesh/io/binary.h"
-#include "sansmesh/io/vtk/vtk_blocks.h"
+#include "sansmesh/io/vtk/vtk_values.h"
 
 namespace sansmesh::inline v1::io {
 namespace {

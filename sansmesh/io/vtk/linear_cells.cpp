@@ -156,22 +156,17 @@ bool LinearCells::add_quadratic(CellShape shape, std::span<const std::uint32_t> 
   return true;
 }
 
-/// Hexahedra between the nodes of a Lagrange hexahedron.
-bool LinearCells::add_lattice(std::span<const std::uint32_t> nodes, std::size_t order) {
-  const int n = static_cast<int>(order), orders[3] = {n, n, n};
-  const auto at = [&](int i, int j, int k) {
-    return nodes[static_cast<std::size_t>(vtkHigherOrderHexahedron::PointIndexFromIJK(i, j, k, orders))];
-  };
-  for (int k = 0; k < n; ++k) {
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i < n; ++i) {
+template <class At>
+void LinearCells::lattice(std::size_t n, const At& at) {
+  for (std::size_t k = 0; k < n; ++k) {
+    for (std::size_t j = 0; j < n; ++j) {
+      for (std::size_t i = 0; i < n; ++i) {
         piece(CellShape::hexahedron,
               {at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k), at(i, j, k + 1), at(i + 1, j, k + 1),
                at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)});
       }
     }
   }
-  return true;
 }
 
 bool LinearCells::add_solid(int type, std::span<const std::uint32_t> p) {
@@ -216,13 +211,7 @@ bool LinearCells::add_solid(int type, std::span<const std::uint32_t> p) {
       return add_quadratic(CellShape::hexahedron, p);
     case VTK_TRIQUADRATIC_HEXAHEDRON: {
       if (!at_least(27)) return false;
-      const auto at = [&](std::size_t i, std::size_t j, std::size_t k) { return p[kThreeByThree[i + 3 * j + 9 * k]]; };
-      for (std::size_t c = 0; c < 8; ++c) {
-        const std::size_t i = c & 1, j = c >> 1 & 1, k = c >> 2;
-        piece(CellShape::hexahedron,
-              {at(i, j, k), at(i + 1, j, k), at(i + 1, j + 1, k), at(i, j + 1, k), at(i, j, k + 1), at(i + 1, j, k + 1),
-               at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)});
-      }
+      lattice(2, [&](std::size_t i, std::size_t j, std::size_t k) { return p[kThreeByThree[i + 3 * j + 9 * k]]; });
       return true;
     }
     case VTK_QUADRATIC_LINEAR_WEDGE:
@@ -241,10 +230,23 @@ bool LinearCells::add_solid(int type, std::span<const std::uint32_t> p) {
       }
       return true;
     }
+    default:
+      return add_higher_order(type, p);
+  }
+}
+
+/// Only the corners of most cells of higher order are used.
+bool LinearCells::add_higher_order(int type, std::span<const std::uint32_t> p) {
+  switch (type) {
     case VTK_LAGRANGE_HEXAHEDRON: {
       const std::size_t order = static_cast<std::size_t>(std::lround(std::cbrt(static_cast<double>(p.size())))) - 1;
-      if (order > 0 && (order + 1) * (order + 1) * (order + 1) == p.size()) return add_lattice(p, order);
-      [[fallthrough]];
+      if (order == 0 || (order + 1) * (order + 1) * (order + 1) != p.size()) return add_solid(VTK_HEXAHEDRON, p);
+      const int n = static_cast<int>(order), orders[3] = {n, n, n};
+      lattice(order, [&](std::size_t i, std::size_t j, std::size_t k) {
+        const auto at = [](std::size_t x) { return static_cast<int>(x); };
+        return p[static_cast<std::size_t>(vtkHigherOrderHexahedron::PointIndexFromIJK(at(i), at(j), at(k), orders))];
+      });
+      return true;
     }
     case VTK_BEZIER_HEXAHEDRON:
     case VTK_HIGHER_ORDER_HEXAHEDRON:

@@ -49,8 +49,11 @@ class LinearCells {
   void fan(std::span<const std::uint32_t> ring);
   void cone(std::span<const std::vector<std::uint32_t>> faces);
   bool add_quadratic(CellShape shape, std::span<const std::uint32_t> nodes);
-  bool add_lattice(std::span<const std::uint32_t> nodes, std::size_t order);
+  /// n³ hexahedra between the nodes at(i, j, k).
+  template <class At>
+  void lattice(std::size_t n, const At& at);
   bool add_solid(int type, std::span<const std::uint32_t> nodes);
+  bool add_higher_order(int type, std::span<const std::uint32_t> nodes);
   bool add_flat(int type, std::span<const std::uint32_t> nodes);
 
   std::span<const Vec3> places_;

@@ -373,12 +373,9 @@ class Painter::Work {
   Rgba finish(const Pixel& pixel, int x, int y) const {
     if (options_.look.behind().kind == Background::Kind::transparent) return transparent_color(pixel);
     if (options_.look.behind().kind == Background::Kind::solid && pixel.cover == 0 && pixel.dark == 0) return paper_;
-    Rgba color = opaque_color(pixel, background(x, y));
+    const Rgba color = opaque_color(pixel, background(x, y));
     if (options_.look.behind().kind == Background::Kind::solid || pixel.cover > 0) return color;
-    // Adds dither and rounds to bytes, because the wide gradient would show steps.
-    const float threshold = (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
-    for (float& c : color) c = from_byte(to_byte(c, threshold));
-    return color;
+    return dithered(color, x, y);
   }
 
   Vec3f background(int x, int y) const {

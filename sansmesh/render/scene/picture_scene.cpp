@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "sansmesh/error.h"
 namespace sansmesh::inline v1 {
 
 float sheet_opacity(float opacity, float cosine) {
@@ -63,6 +64,12 @@ struct RaysInBox {
 };
 
 }  // namespace
+
+PictureFrame frame_of_points(const Box3& box) {
+  if (box.empty()) throw DataError("nothing to draw: no finite points");
+  if (!(box.diagonal() > 0)) throw DataError("nothing to draw: all points coincide");
+  return {box.center(), box.diagonal()};
+}
 
 void ClippedScene::closest(const EyeRays& rays, std::span<std::optional<SurfacePoint>> points) const {
   const RaysInBox part(rays, box_);

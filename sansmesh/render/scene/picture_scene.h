@@ -24,6 +24,9 @@ struct PictureFrame {
   Vec3f to_surface(const Vec3f& x) const { return Vec3f(Vec3(x) * size + center); }
 };
 
+/// Frame of points with this box. Throws DataError if it is empty or a single point.
+PictureFrame frame_of_points(const Box3& box);
+
 /// Intersection of an eye ray.
 struct SurfacePoint {
   float distance = 0;  ///< from the ray's origin to the surface itself; the depth order of points

@@ -31,4 +31,7 @@ Rgba opaque_color(const Pixel& pixel, const Vec3f& background);
 /// Colour with alpha; the shadow on the ground is a transparent black.
 Rgba transparent_color(const Pixel& pixel);
 
+/// The colour rounded to bytes with dither at pixel (x, y), because wide gradients would show steps.
+Rgba dithered(const Rgba& color, int x, int y);
+
 }  // namespace sansmesh::inline v1

@@ -39,9 +39,7 @@ PictureFrame frame_of(const PointSet& points) {
   Box3 box;
   for (const Vec3f& p : points.positions)
     if (is_finite(p)) box.extend(points.origin + Vec3(p));
-  if (box.empty()) throw DataError("nothing to draw: no finite points");
-  if (!(box.diagonal() > 0)) throw DataError("nothing to draw: all points coincide");
-  return {box.center(), box.diagonal()};
+  return frame_of_points(box);
 }
 
 /// Mean squared distance of each point to its neighbours; 0 if there are none.

@@ -11,8 +11,8 @@
 #include <cstddef>
 #include <limits>
 
-#include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/render/scene/embree_scene.h"
 #include "sansmesh/render/surface/ball_segments.h"
 
 #ifndef SANSMESH_BALL_SEGMENTS_ONCE
@@ -103,16 +103,7 @@ using detail::kPacket;
 /// So the balls are a user geometry that returns both ends.
 struct BallSegments::State {
   std::vector<Ball> balls;
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-
-  State() = default;
-  State(const State&) = delete;
-  State& operator=(const State&) = delete;
-  ~State() {
-    if (scene) rtcReleaseScene(scene);
-    if (device) rtcReleaseDevice(device);
-  }
+  detail::EmbreeScene embree;
 };
 
 namespace {
@@ -137,24 +128,9 @@ BallSegments::BallSegments(const BallUnion& balls) : state_(std::make_unique<Sta
     const Vec3f& c = balls.centers[i];
     s.balls.push_back({c.x, c.y, c.z, balls.radii[i]});
   }
-  s.device = rtcNewDevice(nullptr);
-  if (!s.device) throw Error("the ray caster (Embree) cannot start");
-  if (rtcGetDeviceProperty(s.device, RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) == 0) {
-    rtcReleaseDevice(std::exchange(s.device, nullptr));
+  if (rtcGetDeviceProperty(s.embree.device(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) == 0)
     throw Error("the ray caster needs a processor and an Embree with packets of eight rays (AVX)");
-  }
-  s.scene = rtcNewScene(s.device);
-  rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(s.balls.size()));
-  rtcSetGeometryUserData(geometry, s.balls.data());
-  rtcSetGeometryBoundsFunction(geometry, ball_bounds, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, detail::cross_ball);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(s.scene, geometry);
-  rtcReleaseGeometry(geometry);
-  lend_threads([&] { rtcCommitScene(s.scene); });
-  if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE) throw Error("the ray caster (Embree) failed to build its tree");
+  s.embree.build(static_cast<unsigned>(s.balls.size()), s.balls.data(), ball_bounds, detail::cross_ball);
 }
 
 void BallSegments::first(std::span<const SegmentQuery> queries, std::span<BallSegment> segments) const {
@@ -178,7 +154,7 @@ void BallSegments::first(std::span<const SegmentQuery> queries, std::span<BallSe
       query.entry[i] = query.exit[i] = kEndless;
       query.ball[i] = -1;
     }
-    rtcIntersect8(valid, state_->scene, &query.context, &packet);
+    rtcIntersect8(valid, state_->embree.scene(), &query.context, &packet);
     for (unsigned i = 0; i < count; ++i)
       segments[first + i] = {query.ball[i] >= 0, query.entry[i], query.exit[i], query.radius[i]};
   }

@@ -282,11 +282,10 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
   for (const Vec3& p : points)
     if (is_finite(p)) box.extend(p);
   if (surfaces.empty()) throw DataError("nothing to draw: no surfaces");
-  if (box.empty()) throw DataError("nothing to draw: no finite points");
-  const double size = box.diagonal();
-  if (!(size > 0)) throw DataError("nothing to draw: all points coincide");
+  const PictureFrame frame = frame_of_points(box);
   if (translucent) {
-    const Vec3 rim{1e-3 * size, 1e-3 * size, 1e-3 * size};  // flat content has no inside
+    const double wide = 1e-3 * frame.size;
+    const Vec3 rim{wide, wide, wide};  // flat content has no inside
     const ClearVolume field({box.lower - rim, box.upper + rim});
     VolumePictureOptions o;
     o.picture = options;
@@ -299,7 +298,6 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
     subject.surfaces.assign(surfaces.begin(), surfaces.end());
     return render_volume(subject, o, progress);
   }
-  const PictureFrame frame{box.center(), size};
   std::vector<Vec3f> placed;
   for (const Vec3& p : points)
     if (is_finite(p)) placed.push_back(frame.to_picture(p));

@@ -8,8 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "sansmesh/core/parallel.h"
-#include "sansmesh/error.h"
+#include "sansmesh/render/scene/embree_scene.h"
 #include "sansmesh/render/surface/ball_segments.h"
 
 namespace sansmesh::inline v1::detail {
@@ -96,16 +95,7 @@ void cross_patch(const RTCIntersectFunctionNArguments* arguments) {
 
 struct StoredPolynomials::State {
   std::vector<Patch> patches;
-  RTCDevice device = nullptr;
-  RTCScene scene = nullptr;
-
-  State() = default;
-  State(const State&) = delete;
-  State& operator=(const State&) = delete;
-  ~State() {
-    if (scene) rtcReleaseScene(scene);
-    if (device) rtcReleaseDevice(device);
-  }
+  detail::EmbreeScene embree;
 };
 
 StoredPolynomials::StoredPolynomials(StoredPolynomials&&) noexcept = default;
@@ -121,20 +111,7 @@ StoredPolynomials::StoredPolynomials(const Projection& projection, const BallUni
   s.patches.reserve(centers.size());
   for (std::size_t i = 0; i < centers.size(); ++i)
     s.patches.push_back({feet[i], centers[i], static_cast<double>(balls.radii[i])});
-  s.device = rtcNewDevice(nullptr);
-  if (!s.device) throw Error("the ray caster (Embree) cannot start");
-  s.scene = rtcNewScene(s.device);
-  rtcSetSceneFlags(s.scene, RTC_SCENE_FLAG_ROBUST);
-  RTCGeometry geometry = rtcNewGeometry(s.device, RTC_GEOMETRY_TYPE_USER);
-  rtcSetGeometryUserPrimitiveCount(geometry, static_cast<unsigned>(s.patches.size()));
-  rtcSetGeometryUserData(geometry, s.patches.data());
-  rtcSetGeometryBoundsFunction(geometry, patch_bounds, nullptr);
-  rtcSetGeometryIntersectFunction(geometry, cross_patch);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(s.scene, geometry);
-  rtcReleaseGeometry(geometry);
-  lend_threads([&] { rtcCommitScene(s.scene); });
-  if (rtcGetDeviceError(s.device) != RTC_ERROR_NONE) throw Error("the ray caster (Embree) failed to build its tree");
+  s.embree.build(static_cast<unsigned>(s.patches.size()), s.patches.data(), patch_bounds, cross_patch);
 }
 
 void StoredPolynomials::first(std::span<const CastRay> rays, std::span<StoredHit> hits) const {
@@ -149,7 +126,7 @@ void StoredPolynomials::first(std::span<const CastRay> rays, std::span<StoredHit
     ray.ray.tnear = r.near, ray.ray.tfar = r.far;
     ray.ray.mask = 0xFFFFFFFFu;
     ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(state_->scene, &query.context, &ray);
+    rtcIntersect1(state_->embree.scene(), &query.context, &ray);
     hits[i] = query.best;
   }
 }

@@ -15,7 +15,7 @@
 #include "sansmesh/render/scene/color_space.h"
 #include "sansmesh/render/scene/lighting.h"
 #include "sansmesh/render/scene/painter.h"
-#include "sansmesh/render/scene/sample_pattern.h"
+#include "sansmesh/render/scene/pixel.h"
 #include "sansmesh/render/volume/baked_volume.h"
 #include "sansmesh/render/volume/transfer_presets.h"
 #include "sansmesh/render/volume/value_histogram.h"
@@ -383,10 +383,7 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
       const auto& p = map.at(x, y);
       Rgba& color = image.at(x, y);
       if (p[3] < 1) color = in_front(p, color);
-      if (!dither || p[3] == 0) continue;
-      // Adds dither and rounds to bytes, because the wide gradient would show steps.
-      const float threshold = (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
-      for (float& v : color) v = from_byte(to_byte(v, threshold));
+      if (dither && p[3] > 0) color = dithered(color, x, y);
     }
   if (axes) draw_box_ticks(image, work_->box(), work_->frame(), camera, options.unit);
   if (options.picture.annotation.scale_bar)
