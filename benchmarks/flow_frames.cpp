@@ -52,7 +52,7 @@ void run(int size, int frames) {
       FlowLook flow_look;
       flow_look.splats = splats;
       if (!streaks) flow_look.texture.reset();
-      const PictureSurface drawn = DrawnFlow(subject, picture).surface(flow_look);
+      const SceneFactory drawn = DrawnFlow(subject, picture).surface(flow_look);
       std::vector<double> times;
       double cpu = 0, covered = 0;
       for (int k = 0; k <= frames; ++k) {

@@ -65,7 +65,7 @@ SANSMESH_API void check_colors(const FlowModel& flow, const FlowPictureOptions& 
 /// A picture, or frames of one, each handed over as it is made. `beside`: what stands in the same picture. Throws
 /// ArgumentError for bad options, DataError that begins with the flow's source; Cancelled.
 SANSMESH_API FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
-                                              std::vector<PictureSurface> beside, const UsePicture& use,
+                                              std::vector<SceneFactory> beside, const UsePicture& use,
                                               Progress& progress);
 
 }  // namespace sansmesh::inline v1

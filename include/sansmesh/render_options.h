@@ -250,13 +250,13 @@ using UsePicture = std::function<void(std::size_t frame, const Image& image, con
 
 /// A surface that can be added to a picture, made by surface_in_picture(). It owns its data and prepares a scene for
 /// the frame and camera of a picture; both types are private to the library.
-using PictureSurface = std::function<std::unique_ptr<PictureScene>(const PictureFrame& frame, const Camera& camera)>;
+using SceneFactory = std::function<std::unique_ptr<PictureScene>(const PictureFrame& frame, const Camera& camera)>;
 
 /// A mesh, or a cloud as discs or balls. Copies the mesh. Throws DataError if there is nothing to draw.
-SANSMESH_API PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options);
+SANSMESH_API SceneFactory surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options);
 /// A translucent version of a surface, with all sheets visible: `opacity` 0..1 is the share of light that a sheet
 /// blocks where it faces the viewer. `apart`: sheets closer together than this, in the coordinates of the scene, count
 /// as one; default: the resolution of floats.
-SANSMESH_API PictureSurface translucent(PictureSurface surface, double opacity, double apart = 0);
+SANSMESH_API SceneFactory translucent(SceneFactory surface, double opacity, double apart = 0);
 
 }  // namespace sansmesh::inline v1

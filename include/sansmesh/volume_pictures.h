@@ -44,7 +44,7 @@ class SANSMESH_API VolumePictures {
  public:
   /// The array that the volume was opened with, of vectors the length. `surfaces` stand in the same pictures. Throws
   /// ArgumentError for bad options and names of no array, DataError where there is nothing to draw, Cancelled.
-  VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options, std::vector<PictureSurface> surfaces,
+  VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options, std::vector<SceneFactory> surfaces,
                  Progress& progress);
   ~VolumePictures();
   VolumePictures(VolumePictures&&) noexcept;  ///< moves

@@ -14,7 +14,7 @@ constexpr Vec3f kMovedColor{0.94f, 0.55f, 0.12f}, kFixedColor{0.72f, 0.74f, 0.77
 
 Image draw_alignment(const AlignResult& aligned, RenderOptions picture, Progress& progress) {
   picture.look.use_colors = false;
-  std::vector<PictureSurface> surfaces;
+  std::vector<SceneFactory> surfaces;
   std::vector<Vec3> places;
   for (const TriangleMesh* const mesh : {&aligned.moved, aligned.fixed.get()}) {
     picture.look.surface_color = mesh == &aligned.moved ? kMovedColor : kFixedColor;

@@ -71,9 +71,8 @@ std::vector<Vec3> places_of_poses(const Deformation& deformation, const Box3& be
   return places;
 }
 
-Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions& options,
-                      const Deformation& deformation, double share, std::vector<Vec3> places, const TriangleMesh& folds,
-                      Progress& progress) {
+Image picture_of_pose(std::vector<SceneFactory> surfaces, const DeformOptions& options, const Deformation& deformation,
+                      double share, std::vector<Vec3> places, const TriangleMesh& folds, Progress& progress) {
   RenderOptions picture = options.look.picture;
   picture.view.steady = options.frames.has_value();
   if (options.draw_handles && deformation.has_handles()) {

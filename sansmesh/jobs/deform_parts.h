@@ -36,8 +36,7 @@ void add_vertices(const TriangleMesh& mesh, std::vector<Vec3>& places);
 std::vector<Vec3> places_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,
                                   bool unknown_as_before);
 /// Surfaces, and beside them handles and folds as far as they are asked for, framed by `places` and the handles.
-Image picture_of_pose(std::vector<PictureSurface> surfaces, const DeformOptions& options,
-                      const Deformation& deformation, double share, std::vector<Vec3> places, const TriangleMesh& folds,
-                      Progress& progress);
+Image picture_of_pose(std::vector<SceneFactory> surfaces, const DeformOptions& options, const Deformation& deformation,
+                      double share, std::vector<Vec3> places, const TriangleMesh& folds, Progress& progress);
 
 }  // namespace sansmesh::inline v1

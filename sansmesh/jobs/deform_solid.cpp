@@ -181,7 +181,7 @@ class SolidPoses {
     const TriangleMesh mesh = mesh_csg(field, o, progress_);
     std::vector<Vec3> places = framed_;
     if (places.empty()) add_vertices(mesh, places);
-    const auto with = [&](PictureSurface surface) {
+    const auto with = [&](SceneFactory surface) {
       return picture_of_pose({std::move(surface)}, options_, deformation_, share, std::move(places), folded, progress_);
     };
     if (!exact) return with(surface_in_picture(mesh, options_.look.picture));

@@ -69,7 +69,7 @@ class ObjectScene {
   ObjectScene(const PictureOptions& options, std::size_t objects, RenderResult& result, Progress& progress)
       : o_(options), objects_(objects), result_(result), progress_(progress) {}
 
-  std::vector<PictureSurface> surfaces;
+  std::vector<SceneFactory> surfaces;
   std::vector<Vec3> places;
   std::vector<LegendEntry> legend;
   std::vector<ObjectKind> kinds;
@@ -95,7 +95,7 @@ class ObjectScene {
   struct Drawn {
     ObjectKind kind;
     SurfaceRenderOptions look;
-    PictureSurface surface;
+    SceneFactory surface;
     Vec3f mean_color;
     double apart = 0;  ///< of sheets that are one
   };

@@ -104,7 +104,7 @@ class VolumeAround {
     options_.transfer = o.preset.empty() ? suggest_transfer_function(values, false).function
                                          : transfer_function_preset(o.preset, values);
   }
-  Image render(const RenderOptions& picture, std::vector<PictureSurface> surfaces, Progress& progress) {
+  Image render(const RenderOptions& picture, std::vector<SceneFactory> surfaces, Progress& progress) {
     options_.picture = picture;
     picture_->set_surfaces(std::move(surfaces));
     return picture_->render(options_, progress);
@@ -144,7 +144,7 @@ class SurfacePictures {
     sheet_ = std::make_unique<DrawnFlow>(std::move(drawn_.subject), picture_);
   }
 
-  void stand_beside(std::vector<PictureSurface> beside) {
+  void stand_beside(std::vector<SceneFactory> beside) {
     beside_ = std::move(beside);
     if (!options_.arrows) return;
     RenderOptions dark = picture_;
@@ -159,7 +159,7 @@ class SurfacePictures {
     FlowLook of_surface{.texture = std::nullopt, .opacity = options_.opacity, .splats = options_.splats};
     if (options_.textured) of_surface.texture = options_.streaks;
     if (of_surface.texture && options_.frames) of_surface.texture->phase = share;
-    std::vector<PictureSurface> surfaces = beside_;
+    std::vector<SceneFactory> surfaces = beside_;
     surfaces.push_back(sheet_->surface(of_surface));
     picture.view.steady = options_.turn != 0;
     Image image = around_ ? around_->render(picture, std::move(surfaces), progress_)
@@ -238,7 +238,7 @@ class SurfacePictures {
   std::vector<Vec3> places_;
   ColoredSurface drawn_;
   bool bar_ = false;
-  std::vector<PictureSurface> beside_;
+  std::vector<SceneFactory> beside_;
   std::unique_ptr<DrawnFlow> sheet_;
   FlowPicturesResult result_;
 };
@@ -319,7 +319,7 @@ void check_colors(const FlowModel& flow, const FlowPictureOptions& options) {
 }
 
 FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions& options,
-                                 std::vector<PictureSurface> beside, const UsePicture& use, Progress& progress) {
+                                 std::vector<SceneFactory> beside, const UsePicture& use, Progress& progress) {
   options.validate();
   check_colors(flow, options);
   SurfacePictures pictures(flow, options, progress);

@@ -178,7 +178,7 @@ void MotionPictures::show(Motion motion) {
 
 Image MotionPictures::draw(std::size_t frame, Progress& progress) {
   State& s = *state_;
-  std::vector<PictureSurface> surfaces;
+  std::vector<SceneFactory> surfaces;
   RenderOptions colored = s.options;
   colored.look.use_colors = true;
   colored.look.wireframe = PictureLook::Wireframe::none;

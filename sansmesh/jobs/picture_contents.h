@@ -27,7 +27,7 @@ class PictureContents {
   ~PictureContents();
   PictureContents(PictureContents&&) noexcept;
 
-  const std::vector<PictureSurface>& surfaces() const { return surfaces_; }
+  const std::vector<SceneFactory>& surfaces() const { return surfaces_; }
   /// "surface": what there is to say of surfaces without a mesh.
   const std::vector<Note>& notes() const { return notes_; }
 
@@ -36,7 +36,7 @@ class PictureContents {
   void add_points(const std::string& file, const RenderOptions& look, Progress& progress);
 
   std::vector<std::unique_ptr<SeenSurface>> seen_;
-  std::vector<PictureSurface> surfaces_;
+  std::vector<SceneFactory> surfaces_;
   std::vector<Note> notes_;
 };
 

@@ -20,7 +20,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 /// The outer edges of the grid's cells, about a pixel and a half wide; thinner where cells are small.
-PictureSurface grid_lines(const SampledVolume& samples, const RenderOptions& options) {
+SceneFactory grid_lines(const SampledVolume& samples, const RenderOptions& options) {
   RenderOptions own = options;
   own.look.surface_color = options.look.wire_color;
   TubeOptions tube;
@@ -84,7 +84,7 @@ void VolumePicturesOptions::validate() const {
 }
 
 VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOptions& options,
-                               std::vector<PictureSurface> surfaces, Progress& progress)
+                               std::vector<SceneFactory> surfaces, Progress& progress)
     : state_(std::make_unique<State>()) {
   options.validate();
   State& s = *state_;

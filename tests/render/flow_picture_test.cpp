@@ -249,7 +249,7 @@ TEST(TranslucentSheet, PicturesLetWhatIsBehindThrough) {
   Progress progress;
   const auto picture = [&](int sheets) {
     FlowLook look{std::nullopt, 0.3, false};
-    std::vector<PictureSurface> surfaces;
+    std::vector<SceneFactory> surfaces;
     for (int k = 0; k < sheets; ++k) {
       FlowSubject moved = subject;
       moved.mesh.origin = {0, 0, -0.01 * k};
@@ -306,8 +306,8 @@ TEST(SplatScene, WhatStandsBeforeThemIsSeen) {
   std::vector<Vec3> places;
   for (const Vec3f& p : sheet.mesh.vertices) places.emplace_back(p);
   Progress progress;
-  const std::vector<PictureSurface> surfaces = {DrawnFlow(sheet, options).surface({std::nullopt, 1, true}),
-                                                surface_in_picture(before, options)};
+  const std::vector<SceneFactory> surfaces = {DrawnFlow(sheet, options).surface({std::nullopt, 1, true}),
+                                              surface_in_picture(before, options)};
   for (const bool translucent : {false, true}) {
     const Image image = render_surfaces(surfaces, places, translucent, options, progress);
     EXPECT_GT(image.at(16, 16)[1], 2 * image.at(16, 16)[0]) << translucent;
@@ -345,7 +345,7 @@ TEST(FlowPicture, IsTheSameForAnyThreads) {
             Progress progress;
             FlowLook look;
             look.opacity = opacity, look.splats = splats;
-            const PictureSurface surface = DrawnFlow(subject, plain(64)).surface(look);
+            const SceneFactory surface = DrawnFlow(subject, plain(64)).surface(look);
             return render_surfaces({&surface, 1}, places, opacity < 1, plain(64), progress).pixels;
           },
           [](const auto& one, const auto& many) { EXPECT_TRUE(one == many); });

@@ -275,7 +275,7 @@ TEST(VolumePicture, TranslucentSheetsAreSeenInTheirOrder) {
   clear.opacity_factor = 0;
   const double own = along({&field, nullptr, nullptr, {sheet(0.4f, 1)}}, clear, a, b)[0];
   for (const bool swapped : {false, true}) {
-    const PictureSurface near = sheet(0.4f, 0.5), far = sheet(0.7f, 0.25);
+    const SceneFactory near = sheet(0.4f, 0.5), far = sheet(0.7f, 0.25);
     VolumeSubject subject{&field, nullptr, nullptr, {swapped ? far : near, swapped ? near : far}};
     const auto seen = along(subject, options, a, b);
     EXPECT_NEAR(seen[3], std::pow(0.7, 10) * 0.5 * 0.75, 1e-4);

@@ -201,7 +201,7 @@ void FlowLook::validate() const {
   check_range("opacity", opacity, 0, 1);
 }
 
-PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options) {
+SceneFactory surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options) {
   options.validate();
   auto shared = std::make_shared<const TriangleMesh>(mesh);
   make_subject(*shared, options);  // throws if there is nothing to draw
@@ -210,8 +210,8 @@ PictureSurface surface_in_picture(const TriangleMesh& mesh, const RenderOptions&
   };
 }
 
-PictureSurface surface_in_picture(const SurfaceCaster& caster, const LocalFrame& local, const ColorField* colors,
-                                  const SurfaceRenderOptions& options) {
+SceneFactory surface_in_picture(const SurfaceCaster& caster, const LocalFrame& local, const ColorField* colors,
+                                const SurfaceRenderOptions& options) {
   options.validate();
   SurfaceRenderOptions own = options;
   own.picture.look.shadows = false;
@@ -221,7 +221,7 @@ PictureSurface surface_in_picture(const SurfaceCaster& caster, const LocalFrame&
   };
 }
 
-PictureSurface translucent(PictureSurface surface, double opacity, double apart) {
+SceneFactory translucent(SceneFactory surface, double opacity, double apart) {
   check_range("opacity", opacity, 0, 1);
   return [surface = std::move(surface), opacity, apart](const PictureFrame& frame, const Camera& camera) {
     const double sheets = std::max(kSheetsApart, apart / frame.size);
@@ -265,7 +265,7 @@ DrawnFlow::DrawnFlow(FlowSubject subject, const RenderOptions& options) : state_
   state_->options = options;
 }
 
-PictureSurface DrawnFlow::surface(const FlowLook& look) const {
+SceneFactory DrawnFlow::surface(const FlowLook& look) const {
   look.validate();
   const FlowSubject& subject = state_->subject;
   check_argument(!look.splats || subject.fronts.size() == subject.mesh.vertices.size(),
@@ -275,7 +275,7 @@ PictureSurface DrawnFlow::surface(const FlowLook& look) const {
   };
 }
 
-Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const Vec3> points, bool translucent,
+Image render_surfaces(std::span<const SceneFactory> surfaces, std::span<const Vec3> points, bool translucent,
                       const RenderOptions& options, Progress& progress) {
   options.validate();
   Box3 box;
@@ -304,7 +304,7 @@ Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const 
   const Camera camera = picture_camera(placed, frame, options);
   progress.begin("preparing");
   std::vector<std::unique_ptr<PictureScene>> scenes;
-  for (const PictureSurface& surface : surfaces) scenes.push_back(surface(frame, camera));
+  for (const SceneFactory& surface : surfaces) scenes.push_back(surface(frame, camera));
   const CombinedScene scene(std::move(scenes));
   return paint_scene(scene, camera, frame, options, soft_light(options), placed, 0, progress);
 }

@@ -21,8 +21,8 @@ namespace sansmesh::inline v1 {
 
 /// A surface without a mesh, with local coordinates in `frame`. Caster and colours (which may be null) must outlive the
 /// pictures.
-PictureSurface surface_in_picture(const SurfaceCaster& caster, const LocalFrame& frame, const ColorField* colors,
-                                  const SurfaceRenderOptions& options);
+SceneFactory surface_in_picture(const SurfaceCaster& caster, const LocalFrame& frame, const ColorField* colors,
+                                const SurfaceRenderOptions& options);
 
 /// Appearance of a surface with a flow along it.
 struct FlowLook {
@@ -50,7 +50,7 @@ class DrawnFlow {
   /// is one vector per vertex.
   DrawnFlow(FlowSubject subject, const RenderOptions& options);
   /// Throws ArgumentError for bad options, and for splats unless there is one front per vertex.
-  PictureSurface surface(const FlowLook& look) const;
+  SceneFactory surface(const FlowLook& look) const;
 
  private:
   struct State;
@@ -60,7 +60,7 @@ class DrawnFlow {
 /// Picture of the surfaces, lit as in render_mesh(), with shadows. `points` (at least one finite, in the coordinates of
 /// the surfaces) determine the frame. With `translucent`, surfaces with an opacity below 1 transmit light; then without
 /// shadows and ground. Throws DataError if there is nothing to frame, ArgumentError for bad options.
-Image render_surfaces(std::span<const PictureSurface> surfaces, std::span<const Vec3> points, bool translucent,
+Image render_surfaces(std::span<const SceneFactory> surfaces, std::span<const Vec3> points, bool translucent,
                       const RenderOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -129,7 +129,7 @@ class VolumePicture::Work {
     const SuggestedTransferFunction chosen = transfer(options);
     std::vector<std::unique_ptr<PictureScene>> scenes;
     TracedVolume volume = traced();
-    for (const PictureSurface& surface : subject_.surfaces) {
+    for (const SceneFactory& surface : subject_.surfaces) {
       scenes.push_back(surface(frame_, camera));
       volume.surfaces.push_back(scenes.back().get());
     }
@@ -156,7 +156,7 @@ class VolumePicture::Work {
     return map;
   }
 
-  void set_surfaces(std::vector<PictureSurface> surfaces) { subject_.surfaces = std::move(surfaces); }
+  void set_surfaces(std::vector<SceneFactory> surfaces) { subject_.surfaces = std::move(surfaces); }
   const Box3& box() const { return box_; }
   const PictureFrame& frame() const { return frame_; }
   /// Computed on first use: not needed if colours are given.
@@ -353,7 +353,7 @@ VolumePicture::VolumePicture(VolumeSubject subject, Progress& progress) {
 }
 VolumePicture::~VolumePicture() = default;
 
-void VolumePicture::set_surfaces(std::vector<PictureSurface> surfaces) { work_->set_surfaces(std::move(surfaces)); }
+void VolumePicture::set_surfaces(std::vector<SceneFactory> surfaces) { work_->set_surfaces(std::move(surfaces)); }
 const PictureFrame& VolumePicture::frame() const { return work_->frame(); }
 const ValueHistogram& VolumePicture::histogram() const { return work_->histogram(); }
 TransferFunction VolumePicture::transfer(const VolumePictureOptions& options) const {

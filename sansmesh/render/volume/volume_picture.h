@@ -28,7 +28,7 @@ struct VolumeSubject {
   /// the volume is that box; the sides of others (also of lattices not parallel to the axes) become ragged.
   /// volume_boundary() computes a boundary.
   const TriangleMesh* boundary = nullptr;
-  std::vector<PictureSurface> surfaces;  ///< in the same picture
+  std::vector<SceneFactory> surfaces;  ///< in the same picture
   /// Points known to be in the volume or on its boundary, usually its samples. If the volume fills so little of its box
   /// that few lattice points hit it, the histogram uses these. Default: the vertices of the boundary.
   std::span<const Vec3> places = {};
@@ -52,7 +52,7 @@ class VolumePicture {
   VolumePicture& operator=(const VolumePicture&) = delete;
 
   /// Replaces the surfaces in the picture.
-  void set_surfaces(std::vector<PictureSurface> surfaces);
+  void set_surfaces(std::vector<SceneFactory> surfaces);
 
   /// Perspective picture, framed by the boundary. Does not depend on the number of threads. `report` may be null;
   /// `check_steps` estimates the errors of the steps, which takes about a fiftieth of the time. Throws ArgumentError
