@@ -22,7 +22,7 @@
 #include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/output.h"
-#include "sansmesh/io/output_place.h"
+#include "sansmesh/io/output_destination.h"
 #include "sansmesh/io/staging.h"
 
 namespace sansmesh::inline v1 {
@@ -84,7 +84,7 @@ int write_all(int fd, const Parts& parts, bool blocks = false) {
 }
 
 /// Opens a file that cannot be replaced. Waits for the reader of a named pipe.
-int open_stream(const std::string& file, const io::OutputPlace& place) {
+int open_stream(const std::string& file, const io::OutputDestination& place) {
   const int flags = O_WRONLY | O_CLOEXEC | O_NOCTTY | (place.pipe ? O_NONBLOCK : 0);
   if (place.descriptor >= 0) {
     // A second, non-blocking description of the same pipe. It does not exist if the pipe's reader is gone or another
@@ -105,7 +105,7 @@ int open_stream(const std::string& file, const io::OutputPlace& place) {
   }
 }
 
-void write_stream(const std::string& file, const io::OutputPlace& place, const Parts& parts) {
+void write_stream(const std::string& file, const io::OutputDestination& place, const Parts& parts) {
   detail::Descriptor d(open_stream(file, place));
   int error = write_all(d.fd, parts, place.pipe && (::fcntl(d.fd, F_GETFL) & O_NONBLOCK) == 0);
   if (::close(std::exchange(d.fd, -1)) != 0 && error == 0) error = errno;
@@ -179,7 +179,7 @@ std::filesystem::path OutputBatch::Files::folder_for(const std::filesystem::path
 }
 
 void OutputBatch::Files::write(const std::string& file, const Parts& parts) {
-  const io::OutputPlace place = io::find_output_place(file);
+  const io::OutputDestination place = io::find_output_destination(file);
   if (place.stream) {
     standard_output = standard_output || place.descriptor == STDOUT_FILENO;
     return write_stream(file, place, parts);

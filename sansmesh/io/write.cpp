@@ -10,7 +10,7 @@
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
-#include "sansmesh/io/output_place.h"
+#include "sansmesh/io/output_destination.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -145,7 +145,7 @@ void check_writable(const std::string& file, const std::string& kind) {
   } else if (kind != "text") {
     throw ArgumentError(fmt::format("check_writable: unknown kind '{}'; known: mesh points lines image text", kind));
   }
-  io::find_output_place(file);
+  io::find_output_destination(file);
 }
 
 }  // namespace sansmesh::inline v1

@@ -8,7 +8,7 @@
 
 namespace sansmesh::inline v1::io {
 
-struct OutputPlace {
+struct OutputDestination {
   std::filesystem::path path;  ///< symbolic links resolved, also if the file does not exist yet
   bool exists = false;
   bool stream = false;  ///< a pipe, a device, or a file that this process has open: cannot be replaced
@@ -18,7 +18,7 @@ struct OutputPlace {
 };
 
 /// Throws FileError if nothing can be written under that name.
-OutputPlace find_output_place(const std::string& file);
+OutputDestination find_output_destination(const std::string& file);
 
 /// Throws FileError for a system error (errno).
 [[noreturn]] void fail_output(const std::string& file, int error);

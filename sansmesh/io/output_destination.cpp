@@ -1,4 +1,4 @@
-#include "sansmesh/io/output_place.h"
+#include "sansmesh/io/output_destination.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -29,7 +29,7 @@ int descriptor_of(const std::filesystem::path& path) {
 }
 
 /// Follows symbolic links one by one, because the last one may name a file that does not exist yet.
-void follow_links(const std::string& file, OutputPlace& place) {
+void follow_links(const std::string& file, OutputDestination& place) {
   for (int hop = 0; hop < kMostLinks; ++hop) {
     struct stat info {};
     if (::lstat(place.path.c_str(), &info) != 0) {
@@ -84,9 +84,9 @@ void fail_output(const std::string& file, int error) {
   throw FileError(file, "cannot be written (" + reason_of(error) + ")");
 }
 
-OutputPlace find_output_place(const std::string& file) {
+OutputDestination find_output_destination(const std::string& file) {
   if (file.empty()) throw FileError("(no name)", "the name of the file to write is empty");
-  OutputPlace place;
+  OutputDestination place;
   place.path = detail::file_to_open(file);
   follow_links(file, place);
   struct stat info {};
