@@ -81,7 +81,7 @@ struct WrittenAs {
 };
 
 /// Data that a format can hold besides positions and triangles.
-enum class FormatRoom : std::uint8_t { positions, colors, colors_and_few_floats, all_but_normals, all };
+enum class FormatCapacity : std::uint8_t { positions, colors, colors_and_few_floats, all_but_normals, all };
 
 /// The bytes of a file, in parts.
 using FileParts = std::vector<std::string>;
@@ -103,7 +103,7 @@ struct FormatInfo {
   FileParts (*write_mesh)(const TriangleMesh& mesh, const WriteOptions& options) = nullptr;
   FileParts (*write_points)(const PointSet& points, const WriteOptions& options) = nullptr;
   FileParts (*write_lines)(const PolylineSet& lines, const WriteOptions& options) = nullptr;
-  FormatRoom mesh_room = FormatRoom::all, points_room = FormatRoom::all;
+  FormatCapacity mesh_capacity = FormatCapacity::all, points_capacity = FormatCapacity::all;
   /// For formats without a FormatId: whether the first bytes of a file identify the format beyond doubt. May be null.
   bool (*recognizes)(std::string_view bytes) = nullptr;
 

@@ -16,15 +16,15 @@ namespace sansmesh::inline v1 {
 namespace {
 
 /// Data that a format with that room cannot hold.
-std::vector<std::string> without_room(FormatRoom room, const io::OutputContent& content) {
+std::vector<std::string> lost_data(FormatCapacity room, const io::OutputContent& content) {
   std::vector<std::string> names;
-  if (room == FormatRoom::all) return names;
-  if ((room == FormatRoom::positions || room == FormatRoom::all_but_normals) && !content.normals.empty())
+  if (room == FormatCapacity::all) return names;
+  if ((room == FormatCapacity::positions || room == FormatCapacity::all_but_normals) && !content.normals.empty())
     names.emplace_back("normals");
-  if (room == FormatRoom::positions && !content.colors.empty()) names.emplace_back("colours");
-  if (room == FormatRoom::all_but_normals) return names;
+  if (room == FormatCapacity::positions && !content.colors.empty()) names.emplace_back("colours");
+  if (room == FormatCapacity::all_but_normals) return names;
   for (const Attribute& a : content.attributes)
-    if (room != FormatRoom::colors_and_few_floats || a.type() != NumberType::f32 || a.components > 4)
+    if (room != FormatCapacity::colors_and_few_floats || a.type() != NumberType::f32 || a.components > 4)
       names.push_back(printable(a.name, 80));
   for (const Attribute& a : content.triangle_attributes) names.push_back(printable(a.name, 80) + " of triangles");
   return names;
@@ -113,11 +113,11 @@ bool is_written(const std::string& file, const std::string& kind) {
 }
 
 std::vector<std::string> left_out(const std::string& file, const TriangleMesh& mesh) {
-  return without_room(find_writer(kMesh, file, "meshes").mesh_room, io::OutputContent(mesh));
+  return lost_data(find_writer(kMesh, file, "meshes").mesh_capacity, io::OutputContent(mesh));
 }
 
 std::vector<std::string> left_out(const std::string& file, const PointSet& points) {
-  return without_room(find_writer(kPoints, file, "points").points_room, io::OutputContent(points));
+  return lost_data(find_writer(kPoints, file, "points").points_capacity, io::OutputContent(points));
 }
 
 void write_lines(const std::string& file, const PolylineSet& lines, const WriteOptions& options) {
