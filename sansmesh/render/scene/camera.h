@@ -13,7 +13,7 @@
 namespace sansmesh::inline v1 {
 
 /// Projected point: x from −1 (left) to 1, y from −1 (bottom) to 1; `depth` is the distance along the camera's axis.
-struct PicturePlace {
+struct ProjectedPoint {
   float x = 0, y = 0, depth = 0;
 };
 
@@ -37,7 +37,7 @@ struct Camera {
   /// Factor by which objects at that depth appear smaller.
   float shrink(float depth) const { return parallel ? 1 : depth; }
   /// Projection of a point. Behind the camera the depth is not positive, and x and y are undefined.
-  PicturePlace seen(const Vec3f& point) const {
+  ProjectedPoint seen(const Vec3f& point) const {
     const Vec3f d = point - position;
     const float depth = -dot(d, backward), scale = shrink(depth);
     return {dot(d, right) / (scale * half_width), dot(d, up) / (scale * half_height), depth};
