@@ -23,7 +23,7 @@ Camera tilted_camera(bool parallel) {
 
 /// Projection of a point in pixels.
 Vec3 pixel_of(const Camera& camera, const Vec3f& x) {
-  const ProjectedPoint place = camera.seen(x);
+  const ProjectedPoint place = camera.project(x);
   return {(1 + static_cast<double>(place.x)) * 0.5 * kWide, (1 - static_cast<double>(place.y)) * 0.5 * kHigh, 0};
 }
 

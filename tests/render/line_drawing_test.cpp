@@ -229,7 +229,7 @@ TEST(RenderLines, ACubesEdgesAreDrawnOnWhite) {
   const Subject subject = make_subject(cube, options);
   const Camera camera = picture_camera(subject.mesh.vertices, subject.frame, options);
   const auto pixel_of = [&](const Vec3& x) {
-    const ProjectedPoint p = camera.seen(subject.frame.to_picture(x));
+    const ProjectedPoint p = camera.project(subject.frame.to_picture(x));
     return Vec3{(static_cast<double>(p.x) + 1) * kDrawingSize / 2, (1 - static_cast<double>(p.y)) * kDrawingSize / 2,
                 0};
   };

@@ -144,7 +144,7 @@ class CrestInk {
     if (!(strength > 0)) return 0;
     // Projection of the direction, from a short step along it.
     const float ahead = footprint(here);
-    const ProjectedPoint from = camera_.seen(here.place), to = camera_.seen(here.place + ahead * along);
+    const ProjectedPoint from = camera_.project(here.place), to = camera_.project(here.place + ahead * along);
     const float dx = (to.x - from.x) * static_cast<float>(map_.width),
                 dy = (from.y - to.y) * static_cast<float>(map_.height);
     const auto found = top(x, y, here, dx, dy, [&](const Texel& t) { return t.bend.defined ? value(t) : 0.0f; });

@@ -37,7 +37,7 @@ struct Camera {
   /// Factor by which objects at that depth appear smaller.
   float shrink(float depth) const { return parallel ? 1 : depth; }
   /// Projection of a point. Behind the camera the depth is not positive, and x and y are undefined.
-  ProjectedPoint seen(const Vec3f& point) const {
+  ProjectedPoint project(const Vec3f& point) const {
     const Vec3f d = point - position;
     const float depth = -dot(d, backward), scale = shrink(depth);
     return {dot(d, right) / (scale * half_width), dot(d, up) / (scale * half_height), depth};

@@ -122,7 +122,7 @@ Camera picture_camera(std::span<const Vec3f> points, const PictureFrame& frame, 
     if (!(norm(place - middle) <= kFarthestLook)) throw ArgumentError("`look_at` is too far away from the scene");
     look_at(camera, place);
     if (options.view.look_radius)
-      factor = zoom_on_ball(camera, static_cast<double>(camera.seen(place).depth),
+      factor = zoom_on_ball(camera, static_cast<double>(camera.project(place).depth),
                             *options.view.look_radius / frame.size, kPictureMargin);
   }
   if (!(factor >= 1 / kMostZoom && factor <= kMostZoom))
