@@ -74,7 +74,7 @@ void BakedBricks::hold_places(Progress& progress) {
   const BrickTree own = tree();
   std::vector<std::int32_t> in(pending.size());
   parallel_for(0, pending.size(), 4096,
-               [&](std::size_t i) { in[i] = brick_place(own, options.places[pending[i]]).brick; });
+               [&](std::size_t i) { in[i] = brick_point(own, options.places[pending[i]]).brick; });
   std::vector<std::int32_t> holders;
   std::vector<Vec3> x;
   std::size_t left = 0;

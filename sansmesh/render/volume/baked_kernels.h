@@ -22,11 +22,11 @@ struct BrickTree {
 };
 
 /// A point in the tree: its brick and its coordinates there, 0..kBrickCells.
-struct BrickPlace {
+struct BrickPoint {
   std::int32_t brick;
   float x, y, z;
 };
-BrickPlace brick_place(const BrickTree& tree, const Vec3& x);
+BrickPoint brick_point(const BrickTree& tree, const Vec3& x);
 
 /// Values and gradients at all x, which must be finite; one of the two may be empty. Points outside the box are clamped
 /// to it.

@@ -133,7 +133,7 @@ void BakedVolume::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted)
         wanted.inside[i] = 1;
         continue;
       }
-      const detail::BrickPlace p = detail::brick_place(tree, x[i]);
+      const detail::BrickPoint p = detail::brick_point(tree, x[i]);
       const detail::BakedBrick& brick = s.bricks[static_cast<std::size_t>(p.brick)];
       if (brick.inside != detail::BakedBrick::Inside::some) {
         wanted.inside[i] = brick.inside == detail::BakedBrick::Inside::all;
@@ -158,7 +158,7 @@ void BakedVolume::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted)
 void BakedVolume::spacing(std::span<const Vec3> x, std::span<double> found) const {
   const detail::BrickTree tree = bricks_->tree();
   for (std::size_t i = 0; i < x.size(); ++i) {
-    const detail::BrickPlace p = detail::brick_place(tree, is_finite(x[i]) ? x[i] : tree.lower);
+    const detail::BrickPoint p = detail::brick_point(tree, is_finite(x[i]) ? x[i] : tree.lower);
     const detail::BakedBrick& brick = bricks_->bricks[static_cast<std::size_t>(p.brick)];
     const Vec3 e = bricks_->edges(brick.level);
     found[i] = std::max(std::min({e.x, e.y, e.z}) / kBrickCells, brick.spacing);
