@@ -14,7 +14,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 /// "256x256x128", or with commas.
-struct SizeWords {
+struct SizeOption {
   using Sizes = std::array<std::size_t, 3>;
   static constexpr auto kind = OptionKind::text;
   static OptionValue get(const Sizes& n) {
@@ -49,7 +49,7 @@ constexpr auto kTypeNames = type_names(std::make_index_sequence<static_cast<std:
 const OptionSchema& RawLayout::schema() {
   using O = RawLayout;
   static constexpr OptionRow rows[] = {
-      option<&O::dims, SizeWords>(
+      option<&O::dims, SizeOption>(
           {.text = "Raw files: numbers of points along x, y and z, 256x256x128", .unit = "nx,ny,nz"}),
       option<&O::type>({.text = "Type of raw values: int8, uint8, int16, …, float, double",
                         .unit = "type",

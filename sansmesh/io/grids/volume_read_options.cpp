@@ -12,7 +12,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 /// Numbers, or "none" to disable the usual ones.
-struct FillWords {
+struct FillOption {
   static constexpr auto kind = OptionKind::texts;
   static OptionValue get(const FillValueOptions& fill) {
     std::vector<std::string> words;
@@ -49,10 +49,11 @@ const OptionSchema& VolumeReadOptions::schema() {
       option<&O::solution>({.text = "File of the values of a PLOT3D grid",
                             .unit = "file",
                             .from_data = "the file of that name beside it"}),
-      option<&O::fill, FillWords>({.text = "Number that marks missing values, beside usual ones (9.96921e36, -9999, …) "
-                                           "that are clearly separate; none: only numbers given here; may be repeated",
-                                   .unit = "value",
-                                   .name = "fill_value"}),
+      option<&O::fill, FillOption>({.text =
+                                        "Number that marks missing values, beside usual ones (9.96921e36, -9999, …) "
+                                        "that are clearly separate; none: only numbers given here; may be repeated",
+                                    .unit = "value",
+                                    .name = "fill_value"}),
   };
   static const OptionSchema schema{rows};
   return schema;

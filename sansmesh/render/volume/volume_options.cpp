@@ -55,7 +55,7 @@ std::optional<Vec3> direction_of(std::string_view text) {
 }
 
 /// One of the presets; an empty name is none.
-struct PresetWords {
+struct PresetOption {
   static constexpr auto kind = OptionKind::choice;
   static OptionValue get(const std::string& name) {
     const auto known = transfer_function_presets();
@@ -67,7 +67,7 @@ struct PresetWords {
   }
 };
 
-struct CutWords {
+struct CutOption {
   static constexpr auto kind = OptionKind::texts;
   static OptionValue get(const std::vector<VolumeCut>& cuts) {
     std::vector<std::string> words;
@@ -148,7 +148,7 @@ const OptionSchema& VolumePictureOptions::schema() {
   using O = VolumePictureOptions;
   static const OptionRow rows[] = {
       option_group<&O::picture>(RenderOptions::schema().rows),
-      option<&O::preset, PresetWords>(
+      option<&O::preset, PresetOption>(
           {.text = "Colours and opacities: ct-bone, ct-soft-tissue, mr, flow, diverging, gray",
            .unit = "name",
            .from_data = "from the values' histogram",
@@ -160,7 +160,7 @@ const OptionSchema& VolumePictureOptions::schema() {
       option<&O::isos>({.text = "Surface of a value: V, V:#rrggbb, V:#rrggbb:OPACITY; may be repeated",
                         .unit = "value",
                         .name = "iso"}),
-      option<&O::clips, CutWords>(
+      option<&O::clips, CutOption>(
           {.text = "Removes a half-space or slab: 'x>1.5', '-1<z<2', '1,1,0>3'; may be repeated",
            .unit = "place",
            .name = "clip",
