@@ -581,7 +581,7 @@ TEST(VolumeTracer, RaysDoNotDependOnEachOther) {
   Progress progress;
   const PictureFrame frame{{0.5, 0.5, 0.5}, kDiagonal};
   const VolumeCells cells(field, nullptr, progress);
-  const VolumeStretches stretches(field, &boundary, frame);
+  const VolumeIntervals stretches(field, &boundary, frame);
   const VolumePictureOptions options = blob_picture();
   TracedVolume volume;
   volume.field = &field, volume.bounded = true, volume.stretches = &stretches, volume.cells = &cells;

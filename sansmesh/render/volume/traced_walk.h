@@ -37,13 +37,13 @@ struct TracedWalk {
   Vec3f half;                           // half-way vector of key light and eye, for highlights
   std::uint32_t slot = 0;               // index of the ray's answer
   std::uint32_t stretch = 0, last = 0;  // the next one, and their end
-  RayStretch now;
+  RayInterval now;
   bool within = false, begun = false, started = false;  // in a stretch; at its begin; `before` is valid
   double t = 0;
   double retry = 0;    // a position before t that must be sampled first; 0: none
   int face_tries = 0;  // consecutive retries for the face of a gap
   TracedSample before;
-  std::optional<RayStretch> rest;     // part of a stretch behind a surface in it
+  std::optional<RayInterval> rest;    // part of a stretch behind a surface in it
   std::size_t layer = 0, layers = 0;  // the next of the surfaces, and their end
   Vec3 light;
   double left = 1;

@@ -341,7 +341,7 @@ class VolumePicture::Work {
   std::vector<Vec3f> outline_;  // points that frame the picture
   PictureFrame frame_;
   VolumeCells cells_;
-  VolumeStretches stretches_;
+  VolumeIntervals stretches_;
   mutable std::once_flag histogram_once_, opacity_once_;
   mutable ValueHistogram histogram_, opacity_histogram_;
 };

@@ -16,10 +16,10 @@
 namespace sansmesh::inline v1 {
 
 /// A part of a ray, as distances in the picture's coordinates.
-struct RayStretch {
+struct RayInterval {
   double begin = 0, end = 0;
   bool begins_at_cut = false, ends_at_cut = false;
-  friend bool operator==(const RayStretch&, const RayStretch&) = default;
+  friend bool operator==(const RayInterval&, const RayInterval&) = default;
 };
 
 struct VolumeRay {
@@ -27,19 +27,19 @@ struct VolumeRay {
 };
 
 /// The boundary of a volume with cuts. Built once; queries are thread-safe.
-class VolumeStretches {
+class VolumeIntervals {
  public:
   /// The field must outlive it. Without a boundary the field's box is used.
-  VolumeStretches(const VolumeField& field, const TriangleMesh* boundary, const PictureFrame& frame);
+  VolumeIntervals(const VolumeField& field, const TriangleMesh* boundary, const PictureFrame& frame);
 
   /// Replaces `stretches` by those of all rays; ray i has first[i] to first[i + 1]. They follow from the crossings of
   /// the boundary. If crossings are inconsistent (a ray along a face, or through an edge that two triangles or none
   /// count), the field's `inside` at the middle between two crossings decides. Parts inside cuts are removed.
-  void find(std::span<const VolumeRay> rays, std::span<const VolumeCut> cuts, std::vector<RayStretch>& stretches,
+  void find(std::span<const VolumeRay> rays, std::span<const VolumeCut> cuts, std::vector<RayInterval>& stretches,
             std::vector<std::uint32_t>& first) const;
 
  private:
-  void between_crossings(std::span<const VolumeRay> rays, std::vector<std::vector<RayStretch>>& found) const;
+  void between_crossings(std::span<const VolumeRay> rays, std::vector<std::vector<RayInterval>>& found) const;
 
   const VolumeField& field_;
   PictureFrame frame_;

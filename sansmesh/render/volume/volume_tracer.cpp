@@ -26,7 +26,7 @@ struct VolumeTracer::Layer {
 
 struct VolumeTracer::Scratch {
   std::vector<TracedWalk> walks;
-  std::vector<RayStretch> stretches;
+  std::vector<RayInterval> stretches;
   std::vector<std::uint32_t> first;
   std::vector<Layer> layers;  // by ray and distance
   std::vector<std::uint32_t> active;
@@ -81,9 +81,9 @@ double VolumeTracer::step_at(std::size_t cell, double t) const {
 }
 
 /// Advances to the next stretch, through the surfaces before it; false if there is none, or nothing more is visible.
-bool VolumeTracer::next_stretch(TracedWalk& walk, const Scratch& s) const {
+bool VolumeTracer::next_interval(TracedWalk& walk, const Scratch& s) const {
   const bool more = walk.rest || walk.stretch != walk.last;
-  const RayStretch next = walk.rest ? *walk.rest : more ? s.stretches[walk.stretch] : RayStretch{};
+  const RayInterval next = walk.rest ? *walk.rest : more ? s.stretches[walk.stretch] : RayInterval{};
   for (; walk.layer != walk.layers && (!more || s.layers[walk.layer].t <= next.begin); ++walk.layer) {
     light_.lay(walk, s.layers[walk.layer].light, static_cast<double>(s.layers[walk.layer].opacity));
     if (walk.left <= options_.least_light) walk.left = 0;
@@ -93,7 +93,7 @@ bool VolumeTracer::next_stretch(TracedWalk& walk, const Scratch& s) const {
   walk.rest.reset();
   walk.now = next;
   if (walk.layer != walk.layers && s.layers[walk.layer].t < next.end) {
-    walk.rest = RayStretch{s.layers[walk.layer].t, next.end, false, next.ends_at_cut};
+    walk.rest = RayInterval{s.layers[walk.layer].t, next.end, false, next.ends_at_cut};
     walk.now.end = walk.rest->begin, walk.now.ends_at_cut = false;
   }
   return true;
@@ -103,7 +103,7 @@ bool VolumeTracer::next_stretch(TracedWalk& walk, const Scratch& s) const {
 bool VolumeTracer::next_place(TracedWalk& walk, const Scratch& scratch) const {
   for (;;) {
     if (!walk.within) {
-      if (!next_stretch(walk, scratch)) return false;
+      if (!next_interval(walk, scratch)) return false;
       walk.within = walk.begun = true;
       walk.started = false;
       walk.t = walk.now.begin;

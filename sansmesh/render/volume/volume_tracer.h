@@ -31,7 +31,7 @@ struct TracedVolume {
   const VolumeField* opacity = nullptr;  ///< opacities; may be null
   const ScalarField* gap = nullptr;      ///< positive in empty gaps; may be null
   bool bounded = false;                  ///< the stretches end at the boundary; otherwise the field's `inside` decides
-  const VolumeStretches* stretches = nullptr;
+  const VolumeIntervals* stretches = nullptr;
   const VolumeCells* cells = nullptr;
   std::vector<const PictureScene*> surfaces;  ///< in the picture's coordinates
   PictureFrame frame;
@@ -55,7 +55,7 @@ class VolumeTracer {
   struct Scratch;
 
   void find_layers(const EyeRays& rays, Scratch& scratch) const;
-  bool next_stretch(TracedWalk& walk, const Scratch& scratch) const;
+  bool next_interval(TracedWalk& walk, const Scratch& scratch) const;
   bool next_place(TracedWalk& walk, const Scratch& scratch) const;
   double step_at(std::size_t cell, double t) const;
   bool too_far(const TracedWalk& walk, const TracedSample& now) const;
