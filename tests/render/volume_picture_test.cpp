@@ -581,10 +581,10 @@ TEST(VolumeTracer, RaysDoNotDependOnEachOther) {
   Progress progress;
   const PictureFrame frame{{0.5, 0.5, 0.5}, kDiagonal};
   const VolumeCells cells(field, nullptr, progress);
-  const VolumeIntervals stretches(field, &boundary, frame);
+  const VolumeIntervals intervals(field, &boundary, frame);
   const VolumePictureOptions options = blob_picture();
   TracedVolume volume;
-  volume.field = &field, volume.bounded = true, volume.stretches = &stretches, volume.cells = &cells;
+  volume.field = &field, volume.bounded = true, volume.intervals = &intervals, volume.cells = &cells;
   volume.frame = frame;
   Camera camera = one_ray({1.5, 0.4, 1.2}, {-1.5, -0.4, -1.2});
   camera.half_width = camera.half_height = 0.35f;

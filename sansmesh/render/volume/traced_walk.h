@@ -8,7 +8,7 @@
 #include <span>
 
 #include "sansmesh/render/scene/picture_scene.h"
-#include "sansmesh/render/volume/volume_stretches.h"
+#include "sansmesh/render/volume/volume_intervals.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1::detail {
@@ -36,14 +36,14 @@ struct TracedWalk {
   Vec3 origin, direction;
   Vec3f half;                           // half-way vector of key light and eye, for highlights
   std::uint32_t slot = 0;               // index of the ray's answer
-  std::uint32_t stretch = 0, last = 0;  // the next one, and their end
+  std::uint32_t interval = 0, last = 0;  // the next one, and their end
   RayInterval now;
-  bool within = false, begun = false, started = false;  // in a stretch; at its begin; `before` is valid
+  bool within = false, begun = false, started = false;  // in a interval; at its begin; `before` is valid
   double t = 0;
   double retry = 0;    // a position before t that must be sampled first; 0: none
   int face_tries = 0;  // consecutive retries for the face of a gap
   TracedSample before;
-  std::optional<RayInterval> rest;    // part of a stretch behind a surface in it
+  std::optional<RayInterval> rest;    // part of a interval behind a surface in it
   std::size_t layer = 0, layers = 0;  // the next of the surfaces, and their end
   Vec3 light;
   double left = 1;

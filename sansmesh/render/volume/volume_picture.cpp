@@ -20,7 +20,7 @@
 #include "sansmesh/render/volume/transfer_presets.h"
 #include "sansmesh/render/volume/value_histogram.h"
 #include "sansmesh/render/volume/volume_cells.h"
-#include "sansmesh/render/volume/volume_stretches.h"
+#include "sansmesh/render/volume/volume_intervals.h"
 #include "sansmesh/render/volume/volume_tracer.h"
 
 namespace sansmesh::inline v1 {
@@ -107,7 +107,7 @@ class VolumePicture::Work {
       : subject_(std::move(subject)),
         frame_(framed()),
         cells_(*subject_.field, subject_.opacity, progress),
-        stretches_(*subject_.field, subject_.boundary, frame_) {}
+        intervals_(*subject_.field, subject_.boundary, frame_) {}
 
   Camera camera(const VolumePictureOptions& options) const { return picture_camera(outline_, frame_, options.picture); }
 
@@ -202,7 +202,7 @@ class VolumePicture::Work {
     TracedVolume volume;
     volume.field = subject_.field, volume.opacity = subject_.opacity, volume.gap = subject_.gap;
     volume.bounded = subject_.boundary && !subject_.boundary->triangles.empty();
-    volume.stretches = &stretches_, volume.cells = &cells_, volume.frame = frame_;
+    volume.intervals = &intervals_, volume.cells = &cells_, volume.frame = frame_;
     return volume;
   }
 
@@ -341,7 +341,7 @@ class VolumePicture::Work {
   std::vector<Vec3f> outline_;  // points that frame the picture
   PictureFrame frame_;
   VolumeCells cells_;
-  VolumeIntervals stretches_;
+  VolumeIntervals intervals_;
   mutable std::once_flag histogram_once_, opacity_once_;
   mutable ValueHistogram histogram_, opacity_histogram_;
 };

@@ -26,7 +26,7 @@ struct VolumeTracer::Layer {
 
 struct VolumeTracer::Scratch {
   std::vector<TracedWalk> walks;
-  std::vector<RayInterval> stretches;
+  std::vector<RayInterval> intervals;
   std::vector<std::uint32_t> first;
   std::vector<Layer> layers;  // by ray and distance
   std::vector<std::uint32_t> active;
@@ -80,16 +80,16 @@ double VolumeTracer::step_at(std::size_t cell, double t) const {
   return std::max(std::min(step, most), 0.5 * frame_.footprint(t));
 }
 
-/// Advances to the next stretch, through the surfaces before it; false if there is none, or nothing more is visible.
+/// Advances to the next interval, through the surfaces before it; false if there is none, or nothing more is visible.
 bool VolumeTracer::next_interval(TracedWalk& walk, const Scratch& s) const {
-  const bool more = walk.rest || walk.stretch != walk.last;
-  const RayInterval next = walk.rest ? *walk.rest : more ? s.stretches[walk.stretch] : RayInterval{};
+  const bool more = walk.rest || walk.interval != walk.last;
+  const RayInterval next = walk.rest ? *walk.rest : more ? s.intervals[walk.interval] : RayInterval{};
   for (; walk.layer != walk.layers && (!more || s.layers[walk.layer].t <= next.begin); ++walk.layer) {
     light_.lay(walk, s.layers[walk.layer].light, static_cast<double>(s.layers[walk.layer].opacity));
     if (walk.left <= options_.least_light) walk.left = 0;
   }
   if (!more || walk.left == 0) return false;
-  if (!walk.rest) ++walk.stretch;
+  if (!walk.rest) ++walk.interval;
   walk.rest.reset();
   walk.now = next;
   if (walk.layer != walk.layers && s.layers[walk.layer].t < next.end) {
@@ -257,14 +257,14 @@ std::size_t VolumeTracer::trace(const EyeRays& eye, std::span<TracedLight> light
   s.walks.resize(eye.size());
   std::vector<VolumeRay> rays(eye.size());
   for (std::size_t i = 0; i < rays.size(); ++i) rays[i] = {Vec3(eye.origin(i)), normalized(Vec3(eye.directions[i]))};
-  volume_.stretches->find(rays, options_.clips, s.stretches, s.first);
+  volume_.intervals->find(rays, options_.clips, s.intervals, s.first);
   for (std::size_t i = 0; i < rays.size(); ++i) {
     TracedWalk& walk = s.walks[i];
     walk.origin = rays[i].origin;
     walk.direction = rays[i].direction;
     walk.half = normalized(light_.lighting().key - eye.directions[i]);
     walk.slot = static_cast<std::uint32_t>(i);
-    walk.stretch = s.first[i], walk.last = s.first[i + 1];
+    walk.interval = s.first[i], walk.last = s.first[i + 1];
   }
   find_layers(eye, s);
 

@@ -11,7 +11,7 @@
 #include "sansmesh/render/volume/traced_walk.h"
 #include "sansmesh/render/volume/volume_cells.h"
 #include "sansmesh/render/volume/volume_light.h"
-#include "sansmesh/render/volume/volume_stretches.h"
+#include "sansmesh/render/volume/volume_intervals.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/volume_field.h"
 #include "sansmesh/volume_look.h"
@@ -30,8 +30,8 @@ struct TracedVolume {
   const VolumeField* field = nullptr;    ///< one component: colours, iso-surfaces, and opacities without `opacity`
   const VolumeField* opacity = nullptr;  ///< opacities; may be null
   const ScalarField* gap = nullptr;      ///< positive in empty gaps; may be null
-  bool bounded = false;                  ///< the stretches end at the boundary; otherwise the field's `inside` decides
-  const VolumeIntervals* stretches = nullptr;
+  bool bounded = false;                  ///< the intervals end at the boundary; otherwise the field's `inside` decides
+  const VolumeIntervals* intervals = nullptr;
   const VolumeCells* cells = nullptr;
   std::vector<const PictureScene*> surfaces;  ///< in the picture's coordinates
   PictureFrame frame;

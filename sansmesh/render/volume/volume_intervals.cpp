@@ -1,4 +1,4 @@
-#include "sansmesh/render/volume/volume_stretches.h"
+#include "sansmesh/render/volume/volume_intervals.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,7 +27,7 @@ RayInterval in_box(const VolumeRay& ray, const Vec3& lower, const Vec3& upper) {
   return s.end > s.begin ? s : RayInterval{0, 0};
 }
 
-/// Removes the part between two distances from a stretch.
+/// Removes the part between two distances from a interval.
 void take_away(const RayInterval& s, double from, double to, std::vector<RayInterval>& left) {
   if (to <= s.begin || from >= s.end) {
     left.push_back(s);
@@ -101,8 +101,8 @@ void VolumeIntervals::between_crossings(std::span<const VolumeRay> rays,
 }
 
 void VolumeIntervals::find(std::span<const VolumeRay> rays, std::span<const VolumeCut> cuts,
-                           std::vector<RayInterval>& stretches, std::vector<std::uint32_t>& first) const {
-  stretches.clear();
+                           std::vector<RayInterval>& intervals, std::vector<std::uint32_t>& first) const {
+  intervals.clear();
   first.assign(1, 0);
   std::vector<std::vector<RayInterval>> found(rays.size());
   if (boundary_) {
@@ -130,8 +130,8 @@ void VolumeIntervals::find(std::span<const VolumeRay> rays, std::span<const Volu
       for (const RayInterval& s : own) take_away(s, begin, end, left);
       own.swap(left);
     }
-    stretches.insert(stretches.end(), own.begin(), own.end());
-    first.push_back(static_cast<std::uint32_t>(stretches.size()));
+    intervals.insert(intervals.end(), own.begin(), own.end());
+    first.push_back(static_cast<std::uint32_t>(intervals.size()));
   }
 }
 

@@ -32,10 +32,10 @@ class VolumeIntervals {
   /// The field must outlive it. Without a boundary the field's box is used.
   VolumeIntervals(const VolumeField& field, const TriangleMesh* boundary, const PictureFrame& frame);
 
-  /// Replaces `stretches` by those of all rays; ray i has first[i] to first[i + 1]. They follow from the crossings of
+  /// Replaces `intervals` by those of all rays; ray i has first[i] to first[i + 1]. They follow from the crossings of
   /// the boundary. If crossings are inconsistent (a ray along a face, or through an edge that two triangles or none
   /// count), the field's `inside` at the middle between two crossings decides. Parts inside cuts are removed.
-  void find(std::span<const VolumeRay> rays, std::span<const VolumeCut> cuts, std::vector<RayInterval>& stretches,
+  void find(std::span<const VolumeRay> rays, std::span<const VolumeCut> cuts, std::vector<RayInterval>& intervals,
             std::vector<std::uint32_t>& first) const;
 
  private:
