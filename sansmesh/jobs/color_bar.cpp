@@ -110,7 +110,7 @@ void check_room_beside(const RenderOptions& picture, int bar, std::string_view w
 
 void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar) {
   if (!bar) return;
-  const int width = value_bar_width(options.view.height, bar->colors, bar->title);
+  const int width = color_bar_width(options.view.height, bar->colors, bar->title);
   if (width > 0 && options.view.width < width + kLeastBesideOne)
     throw ArgumentError(
         fmt::format("`width = {}` is too narrow: the colour bar takes {} of it; `bar = false` leaves it out",
@@ -120,8 +120,8 @@ void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar) {
 
 Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const RenderOptions& picture) {
   if (!bar) return image;
-  const Image paper = paper_beside(picture);
-  return beside_value_bar(image, bar->colors, bar->title, {}, &paper, bar->ends);
+  const Image paper = annotation_background(picture);
+  return with_color_bar(image, bar->colors, bar->title, {}, &paper, bar->ends);
 }
 
 }  // namespace sansmesh::inline v1

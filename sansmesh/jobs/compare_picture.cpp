@@ -36,7 +36,7 @@ TransferFunction scale_of(double range, bool both_sides) {
 void check_map_picture(const RenderOptions& picture, const std::string& unit) {
   picture.validate();
   const int scale =
-      value_bar_width(picture.view.height, scale_of(kWidestNumbers, true), with_unit(kDistanceTitle, unit));
+      color_bar_width(picture.view.height, scale_of(kWidestNumbers, true), with_unit(kDistanceTitle, unit));
   check_room_beside(picture, scale, "scale");
 }
 
@@ -50,12 +50,12 @@ MapPicture draw_map(const CompareResult& compared, const CompareOptions& options
   MapPicture made{.image = {}, .made_with = picture};
   made.made_with.look.background = Background::solid({0.93f, 0.94f, 0.95f});
   made.made_with.look.shadows = made.made_with.look.ground = false;
-  made.made_with.view.width -= value_bar_width(picture.view.height, scale, title);
+  made.made_with.view.width -= color_bar_width(picture.view.height, scale, title);
   std::vector<double> marks;
   if (const auto& most = options.map.within) marks = {-*most, *most};
-  const Image paper = paper_beside(made.made_with);
-  made.image = beside_value_bar(render_mesh(compared.mesh, made.made_with, progress), scale, title, marks, &paper,
-                                {map.has_sides && (s.lowest < -s.range), (s.highest > s.range)});
+  const Image paper = annotation_background(made.made_with);
+  made.image = with_color_bar(render_mesh(compared.mesh, made.made_with, progress), scale, title, marks, &paper,
+                              {map.has_sides && (s.lowest < -s.range), (s.highest > s.range)});
   return made;
 }
 

@@ -178,8 +178,8 @@ void draw_objects(std::vector<PictureObject> objects, const PictureOptions& o, c
   for (const ViewDirection& view : turntable(picture.view.direction, o.frames.value_or(1))) {
     picture.view.direction = view;
     Image image = render_surfaces(scene.surfaces, scene.places, o.translucent(), picture, progress);
-    const Image paper = paper_beside(picture);
-    if (listed) image = beside_legend(image, scene.legend, &paper);
+    const Image paper = annotation_background(picture);
+    if (listed) image = with_legend(image, scene.legend, &paper);
     use(number++, image, picture);
   }
 }

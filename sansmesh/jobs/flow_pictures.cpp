@@ -111,7 +111,7 @@ class VolumeAround {
   }
   /// Pixels that its colour bar takes.
   int bar_width(int height) const {
-    return options_.color_bar ? value_bar_width(height, *options_.transfer, options_.color_title) : 0;
+    return options_.color_bar ? color_bar_width(height, *options_.transfer, options_.color_title) : 0;
   }
 
  private:
@@ -165,8 +165,8 @@ class SurfacePictures {
     Image image = around_ ? around_->render(picture, std::move(surfaces), progress_)
                           : render_surfaces(surfaces, places_, options_.opacity < 1, picture, progress_);
     if (!options_.title.empty()) draw_title(image, options_.title);
-    const Image paper = paper_beside(picture);
-    return bar_ ? beside_value_bar(image, *drawn_.colors, drawn_.title, {}, &paper) : image;
+    const Image paper = annotation_background(picture);
+    return bar_ ? with_color_bar(image, *drawn_.colors, drawn_.title, {}, &paper) : image;
   }
 
   const RenderOptions& picture() const { return picture_; }
@@ -221,7 +221,7 @@ class SurfacePictures {
   void leave_room() {
     result_.width = picture_.view.width, result_.height = picture_.view.height;
     bar_ = drawn_.colors && options_.bar;
-    const int bars = (bar_ ? value_bar_width(picture_.view.height, *drawn_.colors, drawn_.title) : 0) +
+    const int bars = (bar_ ? color_bar_width(picture_.view.height, *drawn_.colors, drawn_.title) : 0) +
                      (around_ ? around_->bar_width(picture_.view.height) : 0);
     if (bars > 0 && picture_.view.width < bars + kLeastBesideBars)
       throw ArgumentError(

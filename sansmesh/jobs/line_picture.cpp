@@ -108,7 +108,7 @@ void LinePictureOptions::validate(const std::string& usual) const {
   picture.validate();
   ValueHistogram widest;  // no numbers are wider than those of such a range
   widest.lower = -kWidestNumbers, widest.upper = kWidestNumbers;
-  const int bar = value_bar_width(picture.view.height, transfer_function_preset("diverging", widest),
+  const int bar = color_bar_width(picture.view.height, transfer_function_preset("diverging", widest),
                                   with_unit((color_by.empty() ? usual : color_by) + kMagnitude, unit));
   check_room_beside(picture, bar, "colour bar");
 }
@@ -149,14 +149,14 @@ LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& opt
 
   RenderOptions picture = look_for(options, box);
   const std::string title = with_unit(drawn.color_by + (array->components > 1 ? kMagnitude : ""), options.unit);
-  picture.view.width -= value_bar_width(picture.view.height, colors, title);
+  picture.view.width -= color_bar_width(picture.view.height, colors, title);
   BarEnds ends;
   for (const std::uint32_t p : points) {
     ends.below = ends.below || values[p] < drawn.lower;
     ends.above = ends.above || values[p] > drawn.upper;
   }
-  const Image paper = paper_beside(picture);
-  drawn.image = beside_value_bar(render_mesh(mesh, picture, progress), colors, title, {}, &paper, ends);
+  const Image paper = annotation_background(picture);
+  drawn.image = with_color_bar(render_mesh(mesh, picture, progress), colors, title, {}, &paper, ends);
   drawn.made_with = picture;
   return drawn;
 }

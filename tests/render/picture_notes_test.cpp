@@ -89,8 +89,8 @@ TEST(PictureNotes, BarShowsTheColoursInOrder) {
   TransferFunction f;
   f.colors = {{-1, {0.2f, 0.1f, 0.5f}}, {3, {0.9f, 0.8f, 0.1f}}};
   f.opacities = {{-1, 0}, {3, 1}};
-  const Image image = beside_value_bar(Image(100, 300, kPaper), f, "velocity [m/s²]");
-  EXPECT_EQ(image.width, 100 + value_bar_width(300, f, "velocity [m/s²]"));
+  const Image image = with_color_bar(Image(100, 300, kPaper), f, "velocity [m/s²]");
+  EXPECT_EQ(image.width, 100 + color_bar_width(300, f, "velocity [m/s²]"));
   EXPECT_EQ(image.height, 300);
   const int x = 112;  // in the bar
   for (const double share : {0.1, 0.5, 0.9}) {
@@ -99,10 +99,10 @@ TEST(PictureNotes, BarShowsTheColoursInOrder) {
     EXPECT_NEAR(p[0], c.x, 0.01);
     EXPECT_NEAR(p[2], c.z, 0.01);
   }
-  EXPECT_EQ(beside_value_bar(Image(100, 50, kPaper), f, "").width, 100);
+  EXPECT_EQ(with_color_bar(Image(100, 50, kPaper), f, "").width, 100);
   // Lines only at marks within the range; the picture itself is not covered.
   const std::array<double, 2> marks{1, 7};
-  const Image marked = beside_value_bar(Image(100, 300, kPaper), f, "velocity [m/s²]", marks);
+  const Image marked = with_color_bar(Image(100, 300, kPaper), f, "velocity [m/s²]", marks);
   for (int y = 0; y < 300; ++y) {
     const bool differs = marked.at(x, y) != image.at(x, y);
     EXPECT_EQ(differs, std::abs(y + 0.5 - 150) < 1.5) << y;
@@ -115,7 +115,7 @@ TEST(PictureNotes, BarStandsOnPaperWhateverReachesTheRim) {
   f.colors = {{-1, {0.2f, 0.1f, 0.5f}}, {3, {0.9f, 0.8f, 0.1f}}};
   f.opacities = {{-1, 0}, {3, 1}};
   const Image red(100, 300, Rgba{1, 0, 0, 1}), paper(100, 300, kPaper);
-  const Image image = beside_value_bar(red, f, "", {}, &paper);
+  const Image image = with_color_bar(red, f, "", {}, &paper);
   EXPECT_EQ(image.at(99, 290), (Rgba{1, 0, 0, 1}));
   for (int x = 100; x < image.width; ++x) EXPECT_EQ(image.at(x, 290), kPaper);
 }
@@ -123,7 +123,7 @@ TEST(PictureNotes, BarStandsOnPaperWhateverReachesTheRim) {
 TEST(PictureNotes, BarOfOneValueSaysIt) {
   TransferFunction f;
   f.colors = {{3, {0.2f, 0.1f, 0.5f}}}, f.opacities = {{3, 0.5}};
-  const Image image = beside_value_bar(Image(100, 300, kPaper), f, "");
+  const Image image = with_color_bar(Image(100, 300, kPaper), f, "");
   EXPECT_NEAR(image.at(112, 100)[2], 0.5, 0.01);
   double inked = 0;  // right of the bar
   for (int y = 140; y < 160; ++y)
@@ -167,9 +167,8 @@ TEST(ValueBar, EndsArePointedWhereThereIsMore) {
   f.colors = {{0, {1, 0, 0}}, {1, {0, 0, 1}}};
   f.opacities = {{0, 1}, {1, 1}};
   const Image paper(60, 200, kPaper);
-  const Image plain = beside_value_bar(paper, f, {}),
-              above = beside_value_bar(paper, f, {}, {}, nullptr, {false, true}),
-              both = beside_value_bar(paper, f, {}, {}, nullptr, {true, true});
+  const Image plain = with_color_bar(paper, f, {}), above = with_color_bar(paper, f, {}, {}, nullptr, {false, true}),
+              both = with_color_bar(paper, f, {}, {}, nullptr, {true, true});
   EXPECT_EQ(above.width, plain.width);
   const auto colored = [](const Image& image, int first, int last) {
     int count = 0;
@@ -230,8 +229,8 @@ TEST(PictureNotes, WhatReachesTheEdgeDoesNotGoOnBesideThePicture) {
   const std::vector<LegendEntry> some = {{{0, 0, 1}, "a"}};
   for (const bool clear : {false, true}) {
     if (clear) options.look.background = Background::transparent();
-    const Image paper = paper_beside(options);
-    const Image list = beside_legend(red, some, &paper);
+    const Image paper = annotation_background(options);
+    const Image list = with_legend(red, some, &paper);
     ASSERT_GT(list.width, 60);
     EXPECT_EQ(list.at(59, 3), red.at(59, 3));
     EXPECT_EQ(list.at(list.width - 1, 3), paper.at(0, 3));
@@ -243,7 +242,7 @@ TEST(PictureNotes, WhatReachesTheEdgeDoesNotGoOnBesideThePicture) {
 TEST(Legend, NamesTooLongEndInDots) {
   const std::vector<LegendEntry> some = {{{1, 0, 0}, "a"}, {{0, 0, 1}, std::string(200, 'W')}};
   const Image paper(300, 200, kPaper);
-  const Image list = beside_legend(paper, some);
+  const Image list = with_legend(paper, some);
   EXPECT_EQ(list.width, 300 + legend_width(200, some));
   EXPECT_LT(legend_width(200, some), 200);
   for (int y = 0; y < 200; ++y)

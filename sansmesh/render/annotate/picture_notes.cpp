@@ -225,17 +225,17 @@ std::string with_unit(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : name + " [" + unit + "]";
 }
 
-int value_bar_width(int height, const TransferFunction& function, const std::string& title) {
+int color_bar_width(int height, const TransferFunction& function, const std::string& title) {
   if (height < kLowestWithBar) return 0;
   const BarLayout layout(height, function, title);
   return static_cast<int>(std::ceil(layout.widest + 2 * layout.gap));
 }
 
-Image beside_value_bar(const Image& picture, const TransferFunction& function, const std::string& title,
-                       std::span<const double> marks, const Image* paper, const BarEnds& ends) {
+Image with_color_bar(const Image& picture, const TransferFunction& function, const std::string& title,
+                     std::span<const double> marks, const Image* paper, const BarEnds& ends) {
   if (picture.height < kLowestWithBar || picture.width < 1) return picture;
   const Image& behind = paper && paper->width > 0 && paper->height == picture.height ? *paper : picture;
-  Image image = widened(picture, value_bar_width(picture.height, function, title), behind);
+  Image image = widened(picture, color_bar_width(picture.height, function, title), behind);
   const BarLayout bar(picture.height, function, title);
   const Rgba ink = ink_for(image);
   const double left = picture.width + bar.gap * 0.5, right = left + bar.thick;
@@ -276,7 +276,7 @@ int legend_width(int height, std::span<const LegendEntry> entries) {
   return static_cast<int>(std::ceil(widest + 4.2 * text));
 }
 
-Image paper_beside(const RenderOptions& o) {
+Image annotation_background(const RenderOptions& o) {
   Image paper(1, o.view.height);
   const float u = (static_cast<float>(o.view.width) - 0.5f) / static_cast<float>(o.view.width);
   for (int y = 0; y < o.view.height && o.look.behind().kind != Background::Kind::transparent; ++y) {
@@ -287,7 +287,7 @@ Image paper_beside(const RenderOptions& o) {
   return paper;
 }
 
-Image beside_legend(const Image& picture, std::span<const LegendEntry> entries, const Image* paper) {
+Image with_legend(const Image& picture, std::span<const LegendEntry> entries, const Image* paper) {
   const int added = legend_width(picture.height, entries);
   if (added == 0 || picture.width < 1) return picture;
   Image image = widened(picture, added, paper ? *paper : picture);

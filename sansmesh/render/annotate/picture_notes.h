@@ -26,18 +26,18 @@ Rgba ink_for(const Image& image);
 
 /// Adds a colour bar on the right: the transfer function over its range, ticks, the title (quantity and unit) above it
 /// unless empty, and lines across the bar at those `marks` that are in its range. The picture becomes wider by
-/// value_bar_width(). The background of the bar repeats the last column of `paper`, a picture of the same height (null:
+/// color_bar_width(). The background of the bar repeats the last column of `paper`, a picture of the same height (null:
 /// `image`). Pictures lower than 100 pixels stay unchanged.
-Image beside_value_bar(const Image& image, const TransferFunction& function, const std::string& title,
-                       std::span<const double> marks = {}, const Image* paper = nullptr, const BarEnds& ends = {});
+Image with_color_bar(const Image& image, const TransferFunction& function, const std::string& title,
+                     std::span<const double> marks = {}, const Image* paper = nullptr, const BarEnds& ends = {});
 /// Title of a colour bar: "NAME [UNIT]", or only the name.
 std::string with_unit(const std::string& name, const std::string& unit);
 /// Width in pixels that the bar adds to a picture of this height.
-int value_bar_width(int height, const TransferFunction& function, const std::string& title);
+int color_bar_width(int height, const TransferFunction& function, const std::string& title);
 
 /// Background for annotation beside a picture with these options, of the same height: the last column of the
 /// background, without content at the picture's edge.
-Image paper_beside(const RenderOptions& options);
+Image annotation_background(const RenderOptions& options);
 
 /// Meaning of a colour in a picture.
 struct LegendEntry {
@@ -46,7 +46,7 @@ struct LegendEntry {
 };
 /// Adds a list of colours on the right, wider by legend_width(). Long names are cut and end in dots. The background of
 /// the list repeats the last column of `paper`, as for colour bars. Pictures lower than 100 pixels stay unchanged.
-Image beside_legend(const Image& image, std::span<const LegendEntry> entries, const Image* paper = nullptr);
+Image with_legend(const Image& image, std::span<const LegendEntry> entries, const Image* paper = nullptr);
 int legend_width(int height, std::span<const LegendEntry> entries);
 
 /// Draws the edges of a box that are behind its content; to be called before the content is drawn.

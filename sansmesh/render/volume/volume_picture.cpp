@@ -398,7 +398,7 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
     const auto [lower, upper] = own.transfer.range();
     const bool below = work_->histogram().least<lower, above = work_->histogram().most> upper;
     const BarEnds ends{below, above};
-    image = beside_value_bar(image, own.transfer, options.color_title, marks, &paper, ends);
+    image = with_color_bar(image, own.transfer, options.color_title, marks, &paper, ends);
   }
   if (report) *report = own;
   return image;
