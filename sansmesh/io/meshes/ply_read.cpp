@@ -79,7 +79,7 @@ void decode_vertices(const Input& in, const Element& e, MakeColumn&& column, boo
 }
 
 /// Reports skipped elements and lists.
-void tell_unread(const Input& in, const PlyHeader& header) {
+void report_skipped(const Input& in, const PlyHeader& header) {
   for (const Element& e : header.elements) {
     if (e.count == 0) continue;
     const bool faces = e.holds_polygons() || e.holds_strips();
@@ -406,7 +406,7 @@ PointSet read_ply(const Input& in) {
     points.triangle_attributes.clear();
     break;
   }
-  tell_unread(in, header);
+  report_skipped(in, header);
   finish(in, points);
   return points;
 }

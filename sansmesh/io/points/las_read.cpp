@@ -210,7 +210,7 @@ ColorDepth color_depth(const LasRecords& r, std::size_t offset) {
 }
 
 /// Reports data that a cloud cannot hold: of the header's records in [at, begin), and of the bits of points.
-void tell_unread_of_las(const Input& in, std::size_t at, std::size_t begin, const LasRecords& r) {
+void report_skipped_of_las(const Input& in, std::size_t at, std::size_t begin, const LasRecords& r) {
   constexpr std::size_t kHead = 54;
   const char* const data = in.bytes.data();
   for (std::uint32_t left = load<std::uint32_t>(data + 100); left > 0 && at + kHead <= begin; --left) {
@@ -303,7 +303,7 @@ PointSet read_las(const Input& in) {
   points.attributes = las_attributes(records);
   const std::size_t header = load<std::uint16_t>(data + 94);
   add_extras(in, find_extras(in, header, begin, records, least_record[format_byte]), n, points.attributes);
-  tell_unread_of_las(in, header, begin, records);
+  report_skipped_of_las(in, header, begin, records);
   if (depth == ColorDepth::words) in.unread("the lower 8 of the 16 bits of colours");
   leave_out_withheld(in, records, points);
   finish(in, points);
