@@ -115,7 +115,7 @@ struct SANSMESH_API PictureLook {
   std::optional<double> point_radius = {};
 
   /// The chosen background; default: a gradient.
-  Background behind() const { return background.value_or(Background{}); }
+  Background effective_background() const { return background.value_or(Background{}); }
 
   static const OptionSchema& schema();  ///< one row per field
 };

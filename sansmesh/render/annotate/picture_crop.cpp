@@ -16,7 +16,7 @@ constexpr float kSamePaper = 5.0f / 255;  // more than dither and rounding chang
 }  // namespace
 
 PixelBox picture_content(const Image& image, const RenderOptions& options, int margin) {
-  const bool clear = options.look.behind().kind == Background::Kind::transparent;
+  const bool clear = options.look.effective_background().kind == Background::Kind::transparent;
   int left = image.width, top = image.height, right = -1, bottom = -1;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {

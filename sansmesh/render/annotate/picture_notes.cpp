@@ -279,7 +279,7 @@ int legend_width(int height, std::span<const LegendEntry> entries) {
 Image annotation_background(const RenderOptions& o) {
   Image paper(1, o.view.height);
   const float u = (static_cast<float>(o.view.width) - 0.5f) / static_cast<float>(o.view.width);
-  for (int y = 0; y < o.view.height && o.look.behind().kind != Background::Kind::transparent; ++y) {
+  for (int y = 0; y < o.view.height && o.look.effective_background().kind != Background::Kind::transparent; ++y) {
     const float v = (static_cast<float>(y) + 0.5f) / static_cast<float>(o.view.height);
     const Vec3f color = srgb_color(background_light(o, u, v));
     paper.at(0, y) = {color.x, color.y, color.z, 1};

@@ -36,7 +36,8 @@ float Lighting::sheen(const Vec3f& normal, const Vec3f& direction) const {
 }
 
 Vec3f background_light(const RenderOptions& options, float x, float y) {
-  if (options.look.behind().kind == Background::Kind::solid) return linear_color(options.look.behind().color);
+  if (options.look.effective_background().kind == Background::Kind::solid)
+    return linear_color(options.look.effective_background().color);
   // A bright spot behind the subject.
   const float dx = x - 0.5f, dy = y - 0.55f;
   const float t = std::min(1.0f, 1.9f * (dx * dx + dy * dy));

@@ -92,9 +92,11 @@ std::vector<Vec3f> shown_corners(std::span<const Vec3f> points, const PictureFra
 
 /// Background of pure line drawings.
 Image paper(const RenderOptions& options) {
-  if (options.look.behind().kind == Background::Kind::transparent)
+  if (options.look.effective_background().kind == Background::Kind::transparent)
     return Image(options.view.width, options.view.height, {0, 0, 0, 0});
-  const Vec3f c = options.look.behind().kind == Background::Kind::solid ? options.look.behind().color : Vec3f{1, 1, 1};
+  const Vec3f c = options.look.effective_background().kind == Background::Kind::solid
+                      ? options.look.effective_background().color
+                      : Vec3f{1, 1, 1};
   return Image(options.view.width, options.view.height, {c.x, c.y, c.z, 1});
 }
 
@@ -177,7 +179,7 @@ class Painter::Work {
         spots_(spread_over_disc(kParts * options.quality.samples * options.quality.samples * std::max(1, sky_rays_))),
         footprint_(2 * camera.half_height / static_cast<float>(options.view.height)),
         rim_(smooth_light ? kSmooth : 0),
-        paper_(opaque_color(Pixel{}, linear_color(options.look.behind().color))) {}
+        paper_(opaque_color(Pixel{}, linear_color(options.look.effective_background().color))) {}
 
   /// Adds a ground plane for shadows, `below` under the lowest point.
   void add_ground(std::span<const Vec3f> points, float below) {
@@ -371,10 +373,11 @@ class Painter::Work {
   }
 
   Rgba finish(const Pixel& pixel, int x, int y) const {
-    if (options_.look.behind().kind == Background::Kind::transparent) return transparent_color(pixel);
-    if (options_.look.behind().kind == Background::Kind::solid && pixel.cover == 0 && pixel.dark == 0) return paper_;
+    if (options_.look.effective_background().kind == Background::Kind::transparent) return transparent_color(pixel);
+    if (options_.look.effective_background().kind == Background::Kind::solid && pixel.cover == 0 && pixel.dark == 0)
+      return paper_;
     const Rgba color = opaque_color(pixel, background(x, y));
-    if (options_.look.behind().kind == Background::Kind::solid || pixel.cover > 0) return color;
+    if (options_.look.effective_background().kind == Background::Kind::solid || pixel.cover > 0) return color;
     return dithered(color, x, y);
   }
 

@@ -157,7 +157,7 @@ void RenderOptions::validate() const {
   }
   if (look.accessibility && look.lines == PictureLook::Lines::only)
     throw ArgumentError("`accessibility` needs a lit surface, which `lines` alone does not show: `lines = over`");
-  check_color("background", look.behind().color);
+  check_color("background", look.effective_background().color);
   check_color("surface_color", look.surface_color);
   check_color("wire_color", look.wire_color);
   check_color("line_color", look.line_color);

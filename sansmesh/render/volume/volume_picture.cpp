@@ -80,7 +80,7 @@ float difference(const Vec3f& a, const Vec3f& b) {
 /// The background behind the volume as a picture.
 Image behind(const VolumePictureOptions& options) {
   Image image(options.picture.view.width, options.picture.view.height, Rgba{0, 0, 0, 0});
-  if (options.picture.look.behind().kind == Background::Kind::transparent) return image;
+  if (options.picture.look.effective_background().kind == Background::Kind::transparent) return image;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const float fx = (static_cast<float>(x) + 0.5f) / static_cast<float>(options.picture.view.width);
@@ -377,7 +377,7 @@ Image VolumePicture::render(const VolumePictureOptions& options, Progress& progr
   Image image = behind(options);
   const bool axes = options.axes;
   if (axes) draw_box_edges(image, work_->box(), work_->frame(), camera);
-  const bool dither = options.picture.look.behind().kind == Background::Kind::gradient;
+  const bool dither = options.picture.look.effective_background().kind == Background::Kind::gradient;
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const auto& p = map.at(x, y);
