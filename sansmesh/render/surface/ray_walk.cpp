@@ -23,7 +23,7 @@ bool opposite(double a, double b) { return (a < 0) != (b < 0); }
 
 void RayWalk::finish(bool hit) {
   hit_ = hit;
-  want_ = Want::nothing;
+  request_ = Request::nothing;
 }
 
 void RayWalk::begin(const BallSegment& segment) {
@@ -39,7 +39,7 @@ void RayWalk::begin(const BallSegment& segment) {
   from_outside_ = leaving_ = false;
   phase_ = Phase::march;
   residual_ = 0;
-  want_ = Want::root;
+  request_ = Request::root;
 }
 
 void RayWalk::leave() { begin(following_); }
@@ -50,7 +50,7 @@ void RayWalk::enter(const BallSegment& segment, const WalkRules& rules) {
   if (!segment.found || segment.entry > end_ + 2 * gap) return stop_at(end_, rules, segment);
   end_ = std::max(end_ + 0.1 * gap, std::min(far_, segment.exit - 0.5 * gap));
   radius_ = segment.radius;
-  go_to(next_, rules, next_want_);
+  go_to(next_, rules, next_request_);
 }
 
 /// Stops at the last sample before a gap, unless the surface is too far away to matter.
@@ -60,19 +60,19 @@ void RayWalk::stop_at(double t, const WalkRules& rules, const BallSegment& follo
   if (known_ == 0 || left < rules.tolerance * radius_ || std::abs(low_.value) > kTrust * left) return leave();
   leaving_ = true;
   at_ = t;
-  want_ = Want::value;
+  request_ = Request::value;
 }
 
-void RayWalk::go_to(double t, const WalkRules& rules, Want want) {
+void RayWalk::go_to(double t, const WalkRules& rules, Request request) {
   if (t <= end_) {
     at_ = t;
-    want_ = want;
+    request_ = request;
   } else if (end_ >= far_) {
     stop_at(far_, rules, {});
   } else {
     next_ = t;
-    next_want_ = want;
-    want_ = Want::segment;
+    next_request_ = request;
+    request_ = Request::segment;
   }
 }
 
@@ -110,7 +110,7 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
       ++rim_;
       inside_again_ = now.t;
       at_ = 0.5 * (outside_ + now.t);
-      want_ = Want::value;
+      request_ = Request::value;
       return;
     }
     from_outside_ = false;
@@ -133,7 +133,7 @@ void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
 /// Whether the sample shows that the surface is here.
 bool RayWalk::accept(const WalkSample& sample, const WalkRules& rules) const {
   const double tolerance = rules.tolerance * radius_;
-  if (rules.feet) {
+  if (rules.projected) {
     // Each jump leaves a share of the last residual; the prediction for the next one saves an evaluation.
     if (sample.residual <= tolerance) return true;
     const double share = std::max(0.1, sample.residual / residual_);
@@ -158,20 +158,20 @@ void RayWalk::march_on(const WalkSample& sample, const WalkRules& rules) {
   if (aims_ < kAims && std::abs(root) <= reach) {
     if (root > 0) {
       ++aims_;
-      return go_to(low_.t + root, rules, Want::root);
+      return go_to(low_.t + root, rules, Request::root);
     }
-    if (rules.feet && known_ > 1 && low_.t + root > before_.t) {  // a jump may have passed it
+    if (rules.projected && known_ > 1 && low_.t + root > before_.t) {  // a jump may have passed it
       ++aims_;
       high_ = low_;
       at_ = low_.t + root;
       low_ = before_;
       phase_ = Phase::dip;
-      want_ = Want::value;
+      request_ = Request::value;
       return;
     }
   }
   residual_ = 0;
-  go_to(low_.t + step, rules, Want::root);
+  go_to(low_.t + step, rules, Request::root);
 }
 
 void RayWalk::step_outside(const WalkSample& sample, const WalkRules& rules) {
@@ -179,7 +179,7 @@ void RayWalk::step_outside(const WalkSample& sample, const WalkRules& rules) {
   if (known_ > 0 && rim_ < kRimSteps && std::abs(low_.value) < at_ - low_.t) {
     ++rim_;
     at_ = 0.5 * (low_.t + at_);
-    want_ = Want::value;
+    request_ = Request::value;
     return;
   }
   // Values beyond the domain are unreliable, except for the step length.
@@ -193,7 +193,7 @@ void RayWalk::step_outside(const WalkSample& sample, const WalkRules& rules) {
   outside_value_ = std::isfinite(sample.value) ? sample.value : std::numeric_limits<double>::max();
   inside_again_ = 0;
   residual_ = 0;
-  go_to(ahead, rules, Want::root);
+  go_to(ahead, rules, Request::root);
 }
 
 /// Of three samples on the same side with the middle one nearest: whether a parabola through them reaches the surface.
@@ -210,7 +210,7 @@ bool RayWalk::look_into_dip(const Place& now, const WalkRules& rules) {
   high_ = now;
   at_ = before_.t + s;
   phase_ = Phase::dip;
-  want_ = Want::value;
+  request_ = Request::value;
   return true;
 }
 
@@ -221,7 +221,7 @@ void RayWalk::go_on_from(const Place& place, const WalkRules& rules) {
   known_ = 1;
   if (leaving_) return leave();
   const double step = std::clamp(std::abs(place.value), rules.smallest_step * radius_, rules.largest_step * radius_);
-  go_to(place.t + step, rules, Want::root);
+  go_to(place.t + step, rules, Request::root);
 }
 
 /// The sample is one end of the bracket [low_, high_]; chooses the next position.
@@ -234,7 +234,7 @@ void RayWalk::close_in(const WalkSample& sample, const WalkRules& rules) {
   const double t = trusted ? aimed : quick ? low_.t + width * low_.value / (low_.value - high_.value) : middle;
   if (!trusted) residual_ = 0;
   at_ = std::clamp(t, low_.t + guard, high_.t - guard);
-  want_ = Want::root;
+  request_ = Request::root;
 }
 
 void RayWalk::narrow(const WalkSample& sample, const WalkRules& rules) {
@@ -246,8 +246,8 @@ void RayWalk::narrow(const WalkSample& sample, const WalkRules& rules) {
   const double tolerance = rules.tolerance * radius_;
   if (high_.t - low_.t <= tolerance) {
     // A long jump from one side to the other without a zero is not a surface, nor is a point that the projection moves.
-    const double off = rules.feet ? sample.residual : std::abs(sample.value);
-    if (off > std::max(10 * tolerance, rules.feet ? 0 : rules.jump * radius_)) return go_on_from(high_, rules);
+    const double off = rules.projected ? sample.residual : std::abs(sample.value);
+    if (off > std::max(10 * tolerance, rules.projected ? 0 : rules.jump * radius_)) return go_on_from(high_, rules);
     normal_ = sample.normal;
     return finish(true);
   }

@@ -11,7 +11,7 @@ namespace sansmesh::inline v1 {
 /// Parameters common to all rays of a caster, as shares of the radius of the local ball.
 struct WalkRules {
   double tolerance = 1e-3, smallest_step = 0.1, largest_step = 0.5, jump = 0.01;
-  bool feet = false;  ///< samples come from a projection
+  bool projected = false;  ///< samples come from a projection
 };
 
 /// Sample of the surface at a position of the ray.
@@ -30,7 +30,7 @@ struct WalkSample {
 /// brackets the root. Where the distance decreases and increases again, it searches for a double root in between.
 class RayWalk {
  public:
-  enum class Want {
+  enum class Request {
     segment,  ///< the next ball from `end()` on: enter()
     value,    ///< the field at `at()`: take()
     root,     ///< the same, with the gradient
@@ -40,7 +40,7 @@ class RayWalk {
   RayWalk() = default;
   RayWalk(float near, float far) : end_(near), far_(far) {}
 
-  Want want() const { return want_; }
+  Request request() const { return request_; }
   double at() const { return at_; }
   double end() const { return end_; }
   double far() const { return far_; }
@@ -62,7 +62,7 @@ class RayWalk {
   void begin(const BallSegment& segment);
   void leave();
   void finish(bool hit);
-  void go_to(double t, const WalkRules& rules, Want want);
+  void go_to(double t, const WalkRules& rules, Request request);
   void stop_at(double t, const WalkRules& rules, const BallSegment& following);
   void march_on(const WalkSample& sample, const WalkRules& rules);
   void step_outside(const WalkSample& sample, const WalkRules& rules);
@@ -74,7 +74,7 @@ class RayWalk {
 
   double at_ = 0, end_ = 0, far_ = 0, radius_ = 0;
   double next_ = 0;  // next position once the ball behind end_ is known
-  Want want_ = Want::segment, next_want_ = Want::value;
+  Request request_ = Request::segment, next_request_ = Request::value;
   Phase phase_ = Phase::march;
   bool walking_ = false;   // end_ is the end of a ball that contains the ray
   bool at_start_ = false;  // the ray starts here, inside a ball

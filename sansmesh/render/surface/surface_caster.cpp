@@ -160,10 +160,10 @@ void SurfaceCaster::State::cast(std::span<const CastRay> batch, std::span<CastHi
     s.roots.clear();
     std::size_t left = 0;
     for (const std::uint32_t i : s.active) {
-      const RayWalk::Want want = s.walks[i].want();
-      if (want == RayWalk::Want::nothing) continue;
+      const RayWalk::Request request = s.walks[i].request();
+      if (request == RayWalk::Request::nothing) continue;
       s.active[left++] = i;
-      (want == RayWalk::Want::root && projection == nullptr ? s.roots : s.values).push_back(i);
+      (request == RayWalk::Request::root && projection == nullptr ? s.roots : s.values).push_back(i);
     }
     s.active.resize(left);
     if (left == 0) break;
@@ -221,7 +221,7 @@ void SurfaceCaster::State::refine_normals(std::span<CastHit> found, Scratch& s) 
 void SurfaceCaster::State::answer_queries(std::span<const CastRay> batch, Scratch& s, std::uint64_t& queries) const {
   s.asking.clear();
   for (const std::uint32_t i : s.active)
-    if (s.walks[i].want() == RayWalk::Want::segment) s.asking.push_back(i);
+    if (s.walks[i].request() == RayWalk::Request::segment) s.asking.push_back(i);
   while (!s.asking.empty()) {
     s.queries.clear();
     for (const std::uint32_t i : s.asking) {
@@ -236,7 +236,7 @@ void SurfaceCaster::State::answer_queries(std::span<const CastRay> batch, Scratc
     for (std::size_t k = 0; k < s.asking.size(); ++k) {
       const std::uint32_t i = s.asking[k];
       s.walks[i].enter(s.segments[k], rules);
-      if (s.walks[i].want() == RayWalk::Want::segment) s.asking[left++] = i;
+      if (s.walks[i].request() == RayWalk::Request::segment) s.asking[left++] = i;
     }
     s.asking.resize(left);
   }
