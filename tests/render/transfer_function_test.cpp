@@ -33,7 +33,7 @@ TransferFunction ramp(double most = 0.9) {
 TEST(TransferTable, DepthOfARampIsItsIntegral) {
   const TransferTable table(ramp());
   for (const double v : {0.05, 0.2, 0.5, 0.89}) {
-    const double found = (table.at(table.place(v)).depth - table.at(table.place(0)).depth) / table.scale();
+    const double found = (table.at(table.coordinate(v)).depth - table.at(table.coordinate(0)).depth) / table.scale();
     EXPECT_NEAR(found, ramp_depth(v), 1e-6) << v;
   }
 }
@@ -43,7 +43,7 @@ TEST(TransferTable, GoesOnBeyondItsEnds) {
   f.opacities = {{0, 0.5}, {0.5, 0.5}, {0.5, 0}, {1, 0}};
   const TransferTable table(f);
   const double slope = -std::log(0.5);
-  const auto depth = [&](double v) { return table.at(table.place(v)).depth / table.scale(); };
+  const auto depth = [&](double v) { return table.at(table.coordinate(v)).depth / table.scale(); };
   EXPECT_NEAR(depth(-2) - depth(0), -2 * slope, 1e-9);
   EXPECT_NEAR(depth(0.5) - depth(0), 0.5 * slope, 1e-6);
   EXPECT_NEAR(depth(7) - depth(0.5), 0, 1e-6);
@@ -57,8 +57,8 @@ TEST(TransferTable, EndsOfLargeValuesAreEnds) {
   f.colors = {{5e17, {1, 0, 0}}, {6e17, {1, 0, 0}}};
   f.opacities = {{5e17, 0}, {5e17, 1}, {6e17, 1}};
   const TransferTable table(f);
-  EXPECT_EQ(table.density(table.place(2e17)).depth, 0);
-  EXPECT_GT(table.density(table.place(5.5e17)).depth, 0);
+  EXPECT_EQ(table.density(table.coordinate(2e17)).depth, 0);
+  EXPECT_GT(table.density(table.coordinate(5.5e17)).depth, 0);
 }
 
 TEST(TransferTable, ColoursOfAPieceAreWeightedByExtinction) {
@@ -68,7 +68,7 @@ TEST(TransferTable, ColoursOfAPieceAreWeightedByExtinction) {
   f.colors = {{0, {1, 0, 0}}, {0.5, {0, 0, 1}}, {1, {0, 0, 1}}};
   f.opacities = {{0, 0}, {0.5, 0}, {0.5, 0.6}, {1, 0.6}};
   const TransferTable table(f);
-  const auto a = table.at(table.place(0)), b = table.at(table.place(1));
+  const auto a = table.at(table.coordinate(0)), b = table.at(table.coordinate(1));
   const double depth = b.depth - a.depth;
   EXPECT_NEAR((b.red - a.red) / depth, 0, 1e-4);
   EXPECT_NEAR((b.blue - a.blue) / depth, 1, 1e-4);

@@ -27,26 +27,26 @@ class TransferTable {
     double depth = 0, red = 0, green = 0, blue = 0;
   };
   /// Table coordinate of a value, extrapolated beyond the table.
-  double place(double value) const { return (value - lower_) * scale_; }
+  double coordinate(double value) const { return (value - lower_) * scale_; }
   /// Table coordinates per unit of value.
   double scale() const { return scale_; }
-  Entry at(double place) const {
-    const double inside = place < 0 ? 0 : place > kBins ? kBins : place;
+  Entry at(double coordinate) const {
+    const double inside = coordinate < 0 ? 0 : coordinate > kBins ? kBins : coordinate;
     const int bin = index_in<int>(inside, 0, kBins - 1);
     const double t = inside - bin;
     const Entry &a = entries_[static_cast<std::size_t>(bin)], &b = entries_[static_cast<std::size_t>(bin) + 1];
     Entry e{a.depth + t * (b.depth - a.depth), a.red + t * (b.red - a.red), a.green + t * (b.green - a.green),
             a.blue + t * (b.blue - a.blue)};
-    if (inside != place) {
-      const Entry& rest = place < 0 ? below_ : above_;
-      const double beyond = place - inside;
+    if (inside != coordinate) {
+      const Entry& rest = coordinate < 0 ? below_ : above_;
+      const double beyond = coordinate - inside;
       e.depth += beyond * rest.depth, e.red += beyond * rest.red;
       e.green += beyond * rest.green, e.blue += beyond * rest.blue;
     }
     return e;
   }
   /// Slopes of the integrals: extinction, and extinction times colour (linear light).
-  Entry density(double place) const;
+  Entry density(double coordinate) const;
   /// Whether all values from a to b (not table coordinates) are clear.
   bool clear(double a, double b) const;
 

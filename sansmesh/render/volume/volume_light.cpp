@@ -104,9 +104,10 @@ void VolumeLight::absorb(TracedWalk& walk, const TracedSample& a, const TracedSa
   const double d = b.t - a.t;
   if (!(to > from) || !(d > 0) || extinction_ == 0) return;
   const double scale = colors_.scale();
-  const StepCubic value(colors_.place(a.value), a.slope * d * scale, colors_.place(b.value), b.slope * d * scale);
+  const StepCubic value(colors_.coordinate(a.value), a.slope * d * scale, colors_.coordinate(b.value),
+                        b.slope * d * scale);
   const double other_scale = depths_.scale();
-  const StepCubic other(depths_.place(a.other), a.other_slope * d * other_scale, depths_.place(b.other),
+  const StepCubic other(depths_.coordinate(a.other), a.other_slope * d * other_scale, depths_.coordinate(b.other),
                         b.other_slope * d * other_scale);
   const StepCubic& dense = separate_ ? other : value;
 
