@@ -230,7 +230,7 @@ TEST(BakedVolume, PlacesLeadToPartsThatNoNodeHits) {
   Progress progress;
   const BakedVolume blind(specks.field, {}, progress);
   BakeOptions options;
-  options.places = places, options.tolerance = 0.02;
+  options.samples = places, options.tolerance = 0.02;
   const BakedVolume baked(specks.field, options, progress);
   EXPECT_EQ(blind.report().checked, 0u);
   EXPECT_EQ(baked.report().checked, places.size());

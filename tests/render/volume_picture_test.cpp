@@ -372,7 +372,7 @@ TEST(VolumePicture, VolumesThatFillLittleOfTheirBoxAreDrawn) {
   Progress progress;
   for (const bool given : {true, false}) {
     VolumeSubject subject{&specks.field, nullptr, &boundary, {}};
-    if (given) subject.places = places;
+    if (given) subject.samples = places;
     const VolumePicture picture(subject, progress);
     EXPECT_NEAR(picture.histogram().least, specks.centers[0].x, specks.radius) << given;
     EXPECT_NEAR(picture.histogram().most, specks.centers[1].x, specks.radius) << given;

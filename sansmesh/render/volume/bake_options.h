@@ -17,7 +17,7 @@ struct BakeOptions {
   /// Points known to be in the volume or on its boundary, usually its samples; non-finite ones are left out. A brick
   /// without points found inside is split while it contains some of these, until its cells are as fine as the local
   /// spacing: only these points reveal thin shells and small parts. They must outlive refine(), like the field.
-  std::span<const Vec3> places = {};
+  std::span<const Vec3> samples = {};
   /// Throws ArgumentError naming the field.
   void validate() const;
 };

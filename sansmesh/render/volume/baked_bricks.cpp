@@ -37,10 +37,10 @@ BakedBricks::BakedBricks(const VolumeField& f, const BakeOptions& o) : field(&f)
     root[k] = size[k] / counts[k];
   }
   report.least = std::numeric_limits<double>::infinity(), report.most = -report.least;
-  for (std::size_t i = 0; i < options.places.size(); ++i)
-    if (is_finite(options.places[i])) pending.push_back(i);
+  for (std::size_t i = 0; i < options.samples.size(); ++i)
+    if (is_finite(options.samples[i])) pending.push_back(i);
   slope_scale = binary_scale(1 / longest);
-  known = some_places(options.places, kBakeCheckPoints);
+  known = selected_points(options.samples, kBakeCheckPoints);
   known_values.resize(known.size());
   f.evaluate(known, {known_values});
   report.evaluations += known.size();
@@ -65,23 +65,23 @@ void BakedBricks::add_roots(Progress& progress) {
   fill(roots, slots, progress);
   value_scale = binary_scale(std::max(std::abs(report.least), std::abs(report.most)));
   if (value_scale != 1) fill(again, slots, progress);
-  hold_places(progress);
+  note_sample_spacings(progress);
 }
 
 /// Passes the local spacing of samples to bricks that seem to miss the volume.
-void BakedBricks::hold_places(Progress& progress) {
+void BakedBricks::note_sample_spacings(Progress& progress) {
   progress.check();
   const BrickTree own = tree();
   std::vector<std::int32_t> in(pending.size());
   parallel_for(0, pending.size(), 4096,
-               [&](std::size_t i) { in[i] = brick_point(own, options.places[pending[i]]).brick; });
+               [&](std::size_t i) { in[i] = brick_point(own, options.samples[pending[i]]).brick; });
   std::vector<std::int32_t> holders;
   std::vector<Vec3> x;
   std::size_t left = 0;
   for (std::size_t i = 0; i < pending.size(); ++i) {
     const BakedBrick::Inside inside = bricks[static_cast<std::size_t>(in[i])].inside;
     if (inside == BakedBrick::Inside::all) continue;  // found, and so are all its parts
-    if (inside == BakedBrick::Inside::none) holders.push_back(in[i]), x.push_back(options.places[pending[i]]);
+    if (inside == BakedBrick::Inside::none) holders.push_back(in[i]), x.push_back(options.samples[pending[i]]);
     pending[left++] = pending[i];
   }
   pending.resize(left);
@@ -222,7 +222,7 @@ bool BakedBricks::split(Progress& progress) {
   }
   nodes.resize(bricks.size() * kBrickSize);
   fill(made, slots, progress);
-  hold_places(progress);
+  note_sample_spacings(progress);
   return true;
 }
 

@@ -97,7 +97,7 @@ struct BakedBricks {
   void summarize();
 
  private:
-  void hold_places(Progress& progress);
+  void note_sample_spacings(Progress& progress);
   void fill(std::vector<BakedBrick>& made, std::span<const std::size_t> slots, Progress& progress);
   double urgency(const BakedBrick& b) const;
   void restore_hanging();

@@ -62,14 +62,14 @@ void add_values(const VolumeField& field, std::span<const Vec3> x, bool all, Fou
 
 }  // namespace
 
-std::vector<Vec3> some_places(std::span<const Vec3> places, std::size_t most) {
+std::vector<Vec3> selected_points(std::span<const Vec3> samples, std::size_t most) {
   std::vector<Vec3> x;
-  const std::size_t count = std::min(places.size(), most);
+  const std::size_t count = std::min(samples.size(), most);
   x.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     // Evenly over the list: index i ⋅ size / count, without overflow of the product.
-    const std::size_t at = places.size() / count * i + places.size() % count * i / count;
-    if (is_finite(places[at])) x.push_back(places[at]);
+    const std::size_t at = samples.size() / count * i + samples.size() % count * i / count;
+    if (is_finite(samples[at])) x.push_back(samples[at]);
   }
   return x;
 }
@@ -104,7 +104,7 @@ ValueHistogram value_histogram(std::span<const double> values, std::span<const d
   return h;
 }
 
-ValueHistogram value_histogram(const VolumeField& field, std::size_t points, std::span<const Vec3> places) {
+ValueHistogram value_histogram(const VolumeField& field, std::size_t points, std::span<const Vec3> samples) {
   if (field.components() != 1) throw ArgumentError("a histogram needs a field of one component");
   const Box3 box = field.bounds();
   if (box.empty() || !(box.diagonal() > 0)) throw DataError("the volume has no extent");
@@ -113,7 +113,7 @@ ValueHistogram value_histogram(const VolumeField& field, std::size_t points, std
   add_values(field, lattice_points(box, points), false, found);
   std::size_t inside = found.values.size();
   if (inside * kEnough < points) {
-    add_values(field, some_places(places, points), true, found);
+    add_values(field, selected_points(samples, points), true, found);
     for (int finer = 0; found.values.empty() && finer < kFiner; ++finer) {
       add_values(field, lattice_points(box, points *= 8), false, found);
       inside = found.values.size();

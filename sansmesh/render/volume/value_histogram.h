@@ -27,14 +27,14 @@ struct ValueHistogram {
 ValueHistogram value_histogram(std::span<const double> values, std::span<const double> gradients = {});
 
 /// At most `most` of the finite points, evenly from the list.
-std::vector<Vec3> some_places(std::span<const Vec3> places, std::size_t most);
+std::vector<Vec3> selected_points(std::span<const Vec3> samples, std::size_t most);
 
 /// Histogram of a field of one component, at those of about `points` points of a lattice over its box that are inside
-/// the volume. If fewer than one in 50 are inside (thin shells, scattered parts), as many of the `places` are added
+/// the volume. If fewer than one in 50 are inside (thin shells, scattered parts), as many of the `samples` are added
 /// without a test; they must be in the volume or on its boundary (usually its samples; non-finite ones are left out).
-/// Without places, finer lattices of up to 64 times as many points are tried until a point is inside. Throws DataError
+/// Without samples, finer lattices of up to 64 times as many points are tried until a point is inside. Throws DataError
 /// if none is.
 ValueHistogram value_histogram(const VolumeField& field, std::size_t points = 100000,
-                               std::span<const Vec3> places = {});
+                               std::span<const Vec3> samples = {});
 
 }  // namespace sansmesh::inline v1

@@ -173,7 +173,7 @@ class VolumePicture::Work {
 
   ValueHistogram histogram_of(const VolumeField& field) const {
     const TriangleMesh* mesh = subject_.boundary;
-    if (!subject_.places.empty() || !mesh) return value_histogram(field, kHistogramPoints, subject_.places);
+    if (!subject_.samples.empty() || !mesh) return value_histogram(field, kHistogramPoints, subject_.samples);
     std::vector<Vec3> vertices;
     vertices.reserve(mesh->vertices.size());
     for (const Vec3f& p : mesh->vertices) vertices.push_back(mesh->origin + Vec3(p));

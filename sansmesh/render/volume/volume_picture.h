@@ -31,7 +31,7 @@ struct VolumeSubject {
   std::vector<SceneFactory> surfaces;  ///< in the same picture
   /// Points known to be in the volume or on its boundary, usually its samples. If the volume fills so little of its box
   /// that few lattice points hit it, the histogram uses these. Default: the vertices of the boundary.
-  std::span<const Vec3> places = {};
+  std::span<const Vec3> samples = {};
   /// Points that the picture must show; default: the boundary, or the box of the field.
   std::span<const Vec3> framed = {};
   /// Positive in gaps that cuts have opened in the volume, about the distance to their faces there and nearby, in the
