@@ -450,7 +450,7 @@ TEST(SurfaceCaster, FeetLieOnTheSurface) {
   const SurfaceCaster by_field(sphere, balls), by_projection(projection, balls);
   for (const SurfaceCaster* caster : {&by_field, &by_projection}) {
     std::vector<Vec3f> positions(balls.centers.size()), normals(balls.centers.size());
-    caster->feet(positions, normals);
+    caster->surface_points(positions, normals);
     for (std::size_t i = 0; i + 1 < positions.size(); ++i) {
       EXPECT_NEAR(norm(positions[i]), 1, 1e-5);
       EXPECT_GT(dot(normals[i], positions[i]), 0.9999f);

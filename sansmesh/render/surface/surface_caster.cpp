@@ -290,11 +290,11 @@ void SurfaceCaster::State::sample_projection(std::span<const CastRay> batch, Scr
   }
 }
 
-void SurfaceCaster::feet(std::span<Vec3f> positions, std::span<Vec3f> normals) const {
+void SurfaceCaster::surface_points(std::span<Vec3f> positions, std::span<Vec3f> normals) const {
   const State& s = *state_;
   const std::size_t count = s.balls.centers.size();
   if (positions.size() != count || normals.size() != count)
-    throw ArgumentError("feet: as many positions and normals as balls are needed");
+    throw ArgumentError("surface_points: as many positions and normals as balls are needed");
   constexpr int kSteps = 3;
   parallel_ranges(0, count, 4096, [&](std::size_t first, std::size_t last) {
     const std::size_t n = last - first;

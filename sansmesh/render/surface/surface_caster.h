@@ -63,7 +63,7 @@ class SurfaceCaster {
 
   /// Surface points next to the centres of the balls, with normals: a few steps along the gradient from each centre, or
   /// the projection. Points that do not arrive within their ball have a zero normal. Sizes as balls().
-  void feet(std::span<Vec3f> positions, std::span<Vec3f> normals) const;
+  void surface_points(std::span<Vec3f> positions, std::span<Vec3f> normals) const;
 
  private:
   struct State;

@@ -74,7 +74,7 @@ SurfaceScene::SurfaceScene(const SurfaceCaster& caster, const PictureFrame& fram
 std::optional<RayScene> SurfaceScene::shadow_discs() {
   const BallUnion& balls = caster_.balls();
   std::vector<Vec3f> positions(balls.centers.size()), normals(balls.centers.size());
-  caster_.feet(positions, normals);
+  caster_.surface_points(positions, normals);
   PointSet cloud;
   cloud.positions = balls.centers;
   std::vector<float> sorted = balls.radii;
