@@ -87,7 +87,7 @@ void frames(Volume& volume) {
   const auto picture_of = [&](const VolumeField& shown) {
     VolumeSubject subject;
     subject.field = &shown;
-    subject.places = volume.samples->positions;
+    subject.samples = volume.samples->positions;
     if (!boundary.triangles.empty()) subject.boundary = &boundary;
     return std::make_unique<VolumePicture>(std::move(subject), volume.progress);
   };
@@ -110,7 +110,7 @@ void frames(Volume& volume) {
   const Frames direct = run(*field, options);
   std::unique_ptr<BakedVolume> baked;
   BakeOptions bake;
-  bake.places = volume.samples->positions;
+  bake.samples = volume.samples->positions;
   const Time baking = time_of([&] { baked = std::make_unique<BakedVolume>(*field, bake, volume.progress); });
   VolumePictureOptions quick = options;
   quick.step = 1.5, quick.least_light = 0.01;  // settings of --baked

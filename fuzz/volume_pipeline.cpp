@@ -200,7 +200,7 @@ void probe(const SampledVolume& volume, const VolumeField& field) {
 void draw(const SampledVolume& volume, const VolumeField& field, std::uint8_t bits) {
   TriangleMesh boundary = volume_boundary(volume);
   VolumeSubject subject;
-  subject.places = volume.positions;
+  subject.samples = volume.positions;
   subject.image = volume.lattice.has_value();
   subject.field = &field;
   if (!boundary.triangles.empty()) subject.boundary = &boundary;

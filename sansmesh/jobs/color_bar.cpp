@@ -119,8 +119,8 @@ void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar) {
 
 Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const RenderOptions& picture) {
   if (!bar) return image;
-  const Image paper = paper_beside(picture);
-  return beside_value_bar(image, bar->colors, bar->title, bar->marks, &paper, bar->ends);
+  const Image paper = annotation_background(picture);
+  return with_color_bar(image, bar->colors, bar->title, bar->marks, &paper, bar->ends);
 }
 
 }  // namespace sansmesh::inline v1

@@ -26,7 +26,7 @@ struct ColorBar {
   std::vector<double> marks = {};
 
   /// Width in pixels beside a picture of that height.
-  int width(int height) const { return value_bar_width(height, colors, title); }
+  int width(int height) const { return color_bar_width(height, colors, title); }
 };
 /// Bar of curvatures up to `range`, in the input's lengths. `beyond`: there are larger ones.
 ColorBar curvature_bar(CurvatureQuantity quantity, double range, const std::string& unit, bool beyond);

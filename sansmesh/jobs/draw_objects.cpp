@@ -177,8 +177,8 @@ void draw_objects(std::vector<PictureObject> objects, const PictureOptions& o, c
   picture.view.width -= beside;
   draw_turntable(picture, o.frames, use, [&](const RenderOptions& one) {
     Image image = render_surfaces(scene.surfaces, scene.framed, o.translucent(), one, progress);
-    const Image paper = paper_beside(one);
-    return listed ? beside_legend(image, scene.legend, &paper) : image;
+    const Image paper = annotation_background(one);
+    return listed ? with_legend(image, scene.legend, &paper) : image;
   });
 }
 

@@ -105,7 +105,7 @@ class VolumeAround {
   }
   /// Width of its colour bar in pixels.
   int bar_width(int height) const {
-    return options_.color_bar ? value_bar_width(height, *options_.transfer, options_.color_title) : 0;
+    return options_.color_bar ? color_bar_width(height, *options_.transfer, options_.color_title) : 0;
   }
 
  private:

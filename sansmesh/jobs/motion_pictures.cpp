@@ -191,7 +191,7 @@ Image MotionPictures::draw(std::size_t frame, Progress& progress) {
   subject.field = &field;
   subject.boundary = &s.boundary;
   subject.surfaces = std::move(surfaces);
-  subject.places = x;
+  subject.samples = x;
   subject.framed = s.framed;
   subject.image = s.volume->image;
   VolumePictureReport report;

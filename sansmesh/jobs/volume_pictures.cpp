@@ -102,7 +102,7 @@ VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOp
   if (options.baked) {
     BakeOptions bake;
     bake.tolerance = options.bake_error;
-    bake.places = s.samples->positions;
+    bake.samples = s.samples->positions;
     progress.begin("bake");
     const auto baked = [&](const VolumeField& field) {
       return with_name(volume.name(), [&] { return std::make_unique<BakedVolume>(field, bake, progress); });

@@ -6,7 +6,7 @@ namespace sansmesh::inline v1 {
 
 VolumeSubject volume_subject(const SampledVolume& samples, TriangleMesh& boundary) {
   VolumeSubject subject;
-  subject.places = samples.positions;
+  subject.samples = samples.positions;
   subject.image = samples.lattice.has_value();
   // The bounding box of a lattice with oblique axes is not its boundary.
   bool box = samples.lattice.has_value();

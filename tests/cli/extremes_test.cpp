@@ -116,9 +116,10 @@ TEST_F(Extremes, WhatIsWrittenIsRead) {
   }
   write("in.off", cube_mesh(1));
   write("h.txt", "0 0 0 0 0 0\n1 0 0 1e30 0 0\n0 1 0 0 1 0\n0 0 1 0 0 1\n");
-  expect_failures({{{"deform", "in.off", "-o", "d.ply", "--handles", "h.txt"}, 1, {"d.ply: would reach out to"}},
-                   {{"csg", "sphere(2e18)", "-o", "s2.ply"}, 2, {"reaches out to 2e+18"}},
-                   {{"csg", "sphere(1e-13)", "-o", "s2.ply"}, 1, {"2e-13 across: too small"}}});
+  expect_failures(
+      {{{"deform", "in.off", "-o", "d.ply", "--handles", "h.txt"}, 1, {"d.ply: would have coordinates up to"}},
+       {{"csg", "sphere(2e18)", "-o", "s2.ply"}, 2, {"reaches out to 2e+18"}},
+       {{"csg", "sphere(1e-13)", "-o", "s2.ply"}, 1, {"2e-13 across: too small"}}});
   EXPECT_FALSE(std::filesystem::exists(path("d.ply")));
 }
 

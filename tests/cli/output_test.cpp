@@ -78,7 +78,7 @@ TEST_F(Outputs, AFileThatIsTooLargeIsAnError) {
   const Outcome outcome =
       outcome_of(start({"convert", "ball.ply", "-o", "out.obj", "--quiet"}, [] { limit_files(10'000); }));
   EXPECT_EQ(outcome.code, 1);
-  EXPECT_EQ(outcome.err, "sansmesh: out.obj: cannot be written (it is larger than files may be here, see ulimit -f)\n");
+  EXPECT_EQ(outcome.err, "sansmesh: out.obj: cannot be written (it exceeds the size limit of files, see ulimit -f)\n");
   EXPECT_EQ(listing(), before);
 }
 

@@ -1,4 +1,4 @@
-// What the module reads by VTK: grids of all kinds, blocks, levels, and formats of others.
+// Files read by the VTK module: grids of all kinds, blocks, levels, and third-party formats.
 #include <limits>
 #include <numeric>
 #include <set>
@@ -106,7 +106,7 @@ TEST(VtkVolumes, GhostsAndBlankedOnesAreHidden) {
   EXPECT_EQ(b.point_arrays.find("vtkGhostType"), nullptr);
 }
 
-/// A coarse box of 2 x 2 x 2 cells, one of which a box of half their size covers.
+/// A coarse box of 2 x 2 x 2 cells, one of which is covered by a box of half their size.
 std::string two_levels(const Folder& folder) {
   const auto box = [&](const char* name, double spacing, double origin) {
     const std::string s = std::to_string(spacing), o = std::to_string(origin);
@@ -127,7 +127,7 @@ std::string two_levels(const Folder& folder) {
       "1.1");
 }
 
-/// Volume of all cells that count.
+/// Volume of all visible cells.
 double visible_volume(const GridData& data) {
   double sum = 0;
   for (const GridBlock& b : data.blocks) {
@@ -209,7 +209,7 @@ TEST(VtkVolumes, ShippedFilesAreWhole) {
   const GridData comb = read_volume(source_file("tests/data/multicomb_0.vts"));
   EXPECT_EQ(comb.blocks[0].dims, (std::array<std::size_t, 3>{6, 12, 9}));
   EXPECT_EQ(comb.blocks[0].point_arrays.find("Momentum")->size(), 3u * 648);
-  // Two unit cubes beside each other, their corners in an order of the writer's.
+  // Two adjacent unit cubes with the writer's order of corners.
   const GridData exodus = read_volume(source_file("tests/data/two_hexes.ex2"));
   ASSERT_EQ(exodus.blocks.size(), 1u);
   const GridBlock& e = exodus.blocks[0];
@@ -289,7 +289,7 @@ TEST(VtkVolumes, OpenFoamCases) {
   EXPECT_EQ(number(data.blocks[0].cell_arrays, "T", 0), 300);
 }
 
-/// What the files of CGNS hold at the corners.
+/// Values of the CGNS files at the corners.
 double cgns_pressure(const Vec3& x) { return 1 + 2 * x.x - 3 * x.y + 0.5 * x.z; }
 
 TEST(VtkVolumes, CgnsOfStructuredZones) {
@@ -319,14 +319,14 @@ TEST(VtkVolumes, CgnsOfUnstructuredZones) {
   for (std::size_t c = 0; c < 3; ++c) EXPECT_EQ(number(b.cell_arrays, "Density", c), cgns_pressure(b.points[c]));
 }
 
-/// Where slices of 4 x 3 numbers lie: a frame, steps between columns, rows and slices.
+/// Geometry of slices of 4 x 3 numbers: a frame, and steps between columns, rows and slices.
 struct SlicePlan {
   Vec3 origin{-20, 35, 100}, along_row{1, 0, 0}, along_column{0, 1, 0}, from_slice_to_slice{0, 0, 2};
   double column_step = 0.5, row_step = 0.75;
   bool placed = true;
   int columns = 4;
   std::string syntax = "1.2.840.10008.1.2.1";  ///< explicit little endian
-  std::size_t missing = 0, behind = 0;         ///< bytes of the pixels; of a tag behind them
+  std::size_t missing = 0, behind = 0;         ///< missing bytes of the pixels, and of a tag behind them
 
   Vec3 place(int i, int j, double k) const {
     return origin + along_row * (column_step * i) + along_column * (row_step * j) + from_slice_to_slice * k;
@@ -334,7 +334,7 @@ struct SlicePlan {
 };
 int slice_number(int i, int j, int k) { return 100 * k + 10 * j + i; }
 
-/// A slice in explicit little endian; `at` is its number among those with equal steps, `name` that which it says.
+/// A slice in explicit little endian; `at` is its index with equal steps, `name` the number in the file.
 std::string dicom_slice(const SlicePlan& plan, int k, double at, int name) {
   const auto element = [](unsigned group, unsigned tag, const std::string& kind, std::string value) {
     if (value.size() % 2 == 1) value += kind == "UI" ? '\0' : ' ';
@@ -372,13 +372,13 @@ std::string dicom_slice(const SlicePlan& plan, int k, double at, int name) {
          (plan.behind > 0 ? element(0xfffc, 0xfffc, "OW", std::string(plan.behind, '\0')) : "");
 }
 
-/// Of group 28; in the place of the value that a slice has there.
+/// A tag of group 28, instead of the slice's own value.
 std::string with_word(std::string slice, unsigned tag, unsigned value) {
   const std::string name = raw(std::uint16_t{0x28}) + raw(static_cast<std::uint16_t>(tag)) + "US";
   return slice.replace(slice.find(name) + 8, 2, raw(static_cast<std::uint16_t>(value)));
 }
 
-/// Oblique: a frame that is turned about all axes.
+/// Oblique: a frame rotated about all axes.
 SlicePlan oblique_plan() {
   SlicePlan plan;
   plan.along_row = normalized(Vec3{0.8, 0.5, -0.2});
@@ -390,7 +390,7 @@ SlicePlan oblique_plan() {
 void put_slices(const Folder& folder, const SlicePlan& plan, const std::vector<double>& at) {
   std::filesystem::create_directories(folder / "ct");
   const int n = static_cast<int>(at.size());
-  for (int k = 0; k < n; ++k)  // in no order of names or numbers
+  for (int k = 0; k < n; ++k)  // not in the order of names or numbers
     folder.put("ct/slice" + std::to_string((k * 2 + 1) % n) + ".dcm",
                dicom_slice(plan, k, at[static_cast<std::size_t>(k)], (k * 2 + 2) % n));
 }
@@ -417,7 +417,7 @@ TEST(VtkVolumes, DicomSlicesLieWhereTheySay) {
     EXPECT_TRUE(data.notes.empty());
     for (std::size_t k = 1; k < 5; ++k)
       EXPECT_NEAR(data.blocks[0].axes[2][k], static_cast<double>(k) * norm(plan.from_slice_to_slice), 1e-4);
-    // One of them alone.
+    // One of them as a single file.
     const GridData one = read_volume(folder / "ct/slice1.dcm");
     expect_slices(one, plan, {0});
   }
@@ -445,7 +445,7 @@ TEST(VtkVolumes, DicomFoldersOfUnlikeOrDamagedSlicesAreRefused) {
   const Folder folder;
   put_slices(folder, {}, {0, 1, 2});
   const std::string twice = folder.put("ct/more.dcm", dicom_slice({}, 7, 1, 7));
-  expect_no_volume(folder / "ct", "several slices at one place");
+  expect_no_volume(folder / "ct", "several slices at one position");
   folder.put("ct/more.dcm", dicom_slice(oblique_plan(), 7, 9, 7));
   expect_no_volume(folder / "ct", "different sizes or directions");
   SlicePlan wide;
@@ -485,7 +485,7 @@ TEST(VtkVolumes, DicomSlicesThatVtkWouldReadBeyondAreRefused) {
   refused(with_word(whole, 0x100, 32), "32 bits");
   refused(with_word(whole, 0x100, 12), "12 bits");
   refused(whole + whole.substr(whole.size() - 36), "several images");
-  // What follows the pixels does no harm.
+  // Data after the pixels are harmless.
   trailing.behind = 400;
   const std::string fine = dicom_slice(trailing, 0, 0, 7);
   folder.put("ct/one.dcm", fine);
@@ -535,7 +535,7 @@ TEST(VtkVolumes, DamagedFilesAreErrors) {
   for (std::size_t n = 0; n + 12 < whole.size(); n += 37) {
     if (volume_readable(folder.put("a.vtu", whole.substr(0, n)))) ADD_FAILURE() << n << " bytes of " << whole.size();
   }
-  // VTK's reader trusts what a file says of the faces of polyhedra, so there are none here.
+  // VTK's reader trusts a file's faces of polyhedra, so there are none here.
   TextGrid simple;
   simple.add(10, kUnitTet);
   const std::string to_garble = simple.vtu();
@@ -552,7 +552,7 @@ TEST(VtkVolumes, DamagedFilesAreErrors) {
   const std::string exodus = slurp(source_file("tests/data/two_hexes.ex2"));
   for (std::size_t n = 4; n + 4 < exodus.size(); n += 40)
     EXPECT_FALSE(volume_readable(folder.put("e.ex2", exodus.substr(0, n)))) << n;
-  expect_no_volume(folder.put("a.vtu", vtk_file("Table", "<Table></Table>\n")), "no volume");
+  expect_no_volume(folder.put("a.vtu", vtk_file("Table", "<Table></Table>\n")), "not a volume");
   expect_no_volume(folder.put("a.vti", "not XML"), "ending says");
   expect_no_volume(folder.put("a.case", "FORMAT\n"), "");
   expect_no_volume(folder.put("a.cgns", std::string(200, 'x')), "");

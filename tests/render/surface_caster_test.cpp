@@ -40,7 +40,7 @@ TEST(SurfaceCaster, FindsASphereWhereItIs) {
       if (graze < kTolerance * radius) continue;
       ASSERT_EQ(hits[i].hit, exact.near > 0) << "passes the centre at " << exact.closest;
       if (!hits[i].hit) continue;
-      // Where the ray is nearly tangent, the same distance to the surface is far along the ray.
+      // For nearly tangent rays, a small distance to the surface is large along the ray.
       EXPECT_NEAR(norm(hits[i].position), 1, 2 * kTolerance * radius);
       EXPECT_NEAR(hits[i].distance, exact.near, 2 * kTolerance * radius + 1e-6) << exact.closest;
       EXPECT_GT(dot(Vec3(hits[i].normal), normalized(hits[i].position)), 0.9999);
@@ -50,7 +50,7 @@ TEST(SurfaceCaster, FindsASphereWhereItIs) {
   }
 }
 
-/// The distance to a sphere, off by a little in every other of many slices.
+/// The distance to a sphere, with a small error in every other of many slices.
 class Patches : public ScalarField {
  public:
   Box3 bounds() const override { return {{-2, -2, -2}, {2, 2, 2}}; }
@@ -110,7 +110,7 @@ TEST(SurfaceCaster, FindsGrazedSpheres) {
     }
   }
   EXPECT_EQ(found, seen);
-  // And those that pass above do not see it.
+  // Rays that pass above miss it.
   for (CastRay& ray : rays) ray.origin = ray.origin * 1.0f, ray.origin.y *= 1.05f, ray.origin.z *= 1.05f;
   for (const CastHit& hit : cast(caster, rays)) EXPECT_TRUE(!hit.hit || norm(hit.position) < 1 + 1e-4);
 }
@@ -151,7 +151,7 @@ TEST(SurfaceCaster, StartsAnywhere) {
   balls.centers.insert(balls.centers.end(), inner.centers.begin(), inner.centers.end());
   balls.radii.insert(balls.radii.end(), inner.radii.begin(), inner.radii.end());
   const SurfaceCaster caster(shell, balls);
-  // From all heights outwards and inwards, radially and not.
+  // From all heights, outwards and inwards, radially and obliquely.
   for (const double height : {0.0, 0.5, 0.85, 0.89, 0.91, 0.95, 0.99, 0.9995, 1.0005, 1.01, 1.05, 1.5}) {
     std::vector<CastRay> rays;
     for (const CastRay& ray : test::random_rays(500, 1)) {
@@ -160,7 +160,7 @@ TEST(SurfaceCaster, StartsAnywhere) {
       rays.push_back({out * static_cast<float>(height), out});
     }
     const auto hits = cast(caster, rays);
-    // Nothing leaves the outer sphere unseen.
+    // No ray leaves the outer sphere without a hit.
     EXPECT_GT(count_hits(hits), height < 1 ? rays.size() * 99 / 100 : 0);
     for (std::size_t i = 0; i < rays.size(); ++i) {
       double expected = std::numeric_limits<double>::infinity();
@@ -197,9 +197,9 @@ TEST(SurfaceCaster, SeesBothSidesAndKeepsWithinTheRay) {
     if (!hits[i].hit) continue;
     EXPECT_NEAR(hits[i].distance, expected[i], 1e-4);
     EXPECT_NEAR(std::abs(hits[i].normal.y), 1, 1e-3);
-    EXPECT_GT(hits[i].normal.y * hits[i].position.y, 0) << "normals point outwards, whoever looks";
+    EXPECT_GT(hits[i].normal.y * hits[i].position.y, 0) << "normals point outwards from either side";
   }
-  // A ray that starts on the surface does not see it there.
+  // A ray that starts on the surface does not hit it there.
   for (const CastRay& ray : test::random_rays(1000, 0.2f)) {
     const Vec3f at = normalized(ray.origin);
     const std::vector<CastRay> from{{at + at * 1e-3f, at},
@@ -243,7 +243,7 @@ TEST(SurfaceCaster, NothingExistsOutsideOfTheBalls) {
     double expected = -1;
     bool rim = false;
     for (const int side : {1, 0}) {
-      if (std::abs(z[side]) < 2 * radius) {  // cut exactly at the edges of the balls, but for rounding
+      if (std::abs(z[side]) < 2 * radius) {  // cut exactly at the edges of the balls, up to rounding
         rim |= held(at(side ? exact.far : exact.near), 0.01) != held(at(side ? exact.far : exact.near), -0.01);
         if (held(at(side ? exact.far : exact.near), 0)) expected = side ? exact.far : exact.near;
       } else if (z[side] < 0) {
@@ -267,7 +267,7 @@ TEST(SurfaceCaster, NothingExistsOutsideOfTheDomain) {
   const SurfaceCaster caster(cap, balls);
   const auto rays = test::random_rays(10000, 1);
   const auto hits = cast(caster, rays);
-  // The rim is found to a share of the balls' radius.
+  // The rim is found within a share of the balls' radius.
   const double rim = 0.1 * balls.radii[0];
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const SphereCrossings exact(rays[i], 1);
@@ -347,8 +347,8 @@ TEST(SurfaceCaster, FollowsProjections) {
     }
 }
 
-/// Rays that start from stored polynomials find what marching ones find, with fewer projections; those of spheres of
-/// which only a part of the way is known, too.
+/// Rays from stored polynomials find the same as marching rays, with fewer projections; also for spheres with a
+/// projection that moves only part of the way.
 TEST(SurfaceCaster, StoredPolynomialsLeadToTheSurface) {
   for (const double rate : {1.0, 0.7}) {
     const test::SphereProjection projection(1, true, rate);
@@ -382,7 +382,7 @@ TEST(SurfaceCaster, StoredPolynomialsLeadToTheSurface) {
   EXPECT_THROW(SurfaceCaster(Spheres({1}), test::sphere_balls(100), options), ArgumentError);
 }
 
-/// The first meeting with any of the polynomials inside its ball: all of them asked, one after another.
+/// The first intersection with any polynomial inside its ball, by testing all.
 TEST(StoredPolynomials, TheFirstMeetingIsThatOfAllBalls) {
   const test::SphereProjection projection(1);
   const BallUnion balls = test::sphere_balls(300, 1, 1.3);
@@ -395,7 +395,7 @@ TEST(StoredPolynomials, TheFirstMeetingIsThatOfAllBalls) {
     const Vec3 o(rays[i].origin), d(rays[i].direction);
     double first = 1e9;
     for (std::size_t b = 0; b < balls.centers.size(); ++b) {
-      // z = −½ (u² + v²) over the tangent plane: heights above it along the ray change their sign.
+      // z = −½ (u² + v²) over the tangent plane: heights along the ray change their sign.
       const Vec3 c(balls.centers[b]), n = normalized(c);
       const auto height = [&](double t) {
         const Vec3 q = o + d * t - n;
@@ -423,7 +423,7 @@ TEST(StoredPolynomials, TheFirstMeetingIsThatOfAllBalls) {
 }
 
 TEST(SurfaceCaster, ProjectionsWithoutStationaryPointsHaveNoSurface) {
-  /// Moves everything along, whatever its side.
+  /// Moves all points by the same vector, on either side.
   class Drift : public test::SphereProjection {
    public:
     Drift() : SphereProjection(1) {}
@@ -450,7 +450,7 @@ TEST(SurfaceCaster, FeetLieOnTheSurface) {
   const SurfaceCaster by_field(sphere, balls), by_projection(projection, balls);
   for (const SurfaceCaster* caster : {&by_field, &by_projection}) {
     std::vector<Vec3f> positions(balls.centers.size()), normals(balls.centers.size());
-    caster->feet(positions, normals);
+    caster->surface_points(positions, normals);
     for (std::size_t i = 0; i + 1 < positions.size(); ++i) {
       EXPECT_NEAR(norm(positions[i]), 1, 1e-5);
       EXPECT_GT(dot(normals[i], positions[i]), 0.9999f);

@@ -38,7 +38,7 @@ TransferFunction fog(double opacity, double length, const Vec3f& color = {1, 1, 
   return f;
 }
 
-/// A pinhole whose one pixel is the ray from `from` along `direction`, both in coordinates of the picture.
+/// A pinhole camera with one pixel: the ray from `from` along `direction`, both in coordinates of the picture.
 Camera one_ray(const Vec3& from, const Vec3& direction) {
   Camera camera;
   camera.position = Vec3f(from);
@@ -57,7 +57,8 @@ VolumePictureOptions one_pixel(const TransferFunction& transfer) {
   return options;
 }
 
-/// What a ray between two points of the world's unit cube sees, from well outside; red, green, blue, left.
+/// Light along a ray between two points of the world's unit cube, from well outside: red, green, blue, transmitted
+/// share.
 std::array<float, 4> along(const VolumeSubject& subject, const VolumePictureOptions& options, const Vec3& a,
                            const Vec3& b) {
   Progress progress;
@@ -154,7 +155,7 @@ TEST(VolumePicture, ThinLayersAreNotMissedByLongSteps) {
 }
 
 TEST(VolumePicture, LayersAtWallsAreFollowedWhereGradientsTellOfThem) {
-  // e^(−z / 0.004): an eighth of the spacing; values of a layer that ends at the wall.
+  // e^(−z / 0.004), an eighth of the spacing: values of a layer that ends at the wall.
   constexpr double kThick = 0.004;
   FormulaVolume field = constant_volume(0);
   field.value = [](const Vec3& x) { return std::exp(-x.z / kThick); };
@@ -166,7 +167,7 @@ TEST(VolumePicture, LayersAtWallsAreFollowedWhereGradientsTellOfThem) {
   // ∫ −ln(1 − 0.6 e^(−z/h)) dz / h = Li₂(0.6), the dilogarithm.
   double depth = 0;
   for (int k = 200; k > 0; --k) depth += std::pow(0.6, k) / (static_cast<double>(k) * k);
-  for (const double where : {0.0, 0.013, 0.031}) {  // wherever the samples fall
+  for (const double where : {0.0, 0.013, 0.031}) {  // independent of the sample positions
     const Vec3 a{0.5, 0.5 - where, 1}, b{0.5 + where, 0.5, 0};
     const double length = norm(b - a);
     EXPECT_NEAR(-std::log(along(subject, options, a, b)[3]), depth * length, 0.08 * depth) << where;
@@ -174,7 +175,7 @@ TEST(VolumePicture, LayersAtWallsAreFollowedWhereGradientsTellOfThem) {
 }
 
 TEST(VolumePicture, FirstColourCoversTheSecond) {
-  // Red in front, blue behind, both opaque: from the other side it is the other way round.
+  // Red in front, blue behind, both opaque; the reverse from the other side.
   const FormulaVolume field = linear_volume({1, 0, 0});
   VolumeSubject subject{&field, nullptr, nullptr, {}};
   TransferFunction f = fog(0.9, 0.02);
@@ -193,7 +194,7 @@ TEST(VolumePicture, IsoSurfaceOfABallLiesWhereItIs) {
   const Vec3 center{0.5, 0.5, 0.5};
   const FormulaVolume field = ball_volume(center);
   VolumeSubject subject{&field, nullptr, nullptr, {}};
-  // Black fog that dims what lies behind it tells how far the surface is.
+  // Black fog in front dims the surface according to its depth.
   VolumePictureOptions options = one_pixel(fog(0.5, 0.5, {0, 0, 0}));
   options.isos = {{0.3, Vec3f{1, 1, 1}, 1}};
   for (const double step : {0.5, 1.0, 3.0}) {
@@ -283,7 +284,7 @@ TEST(VolumePicture, TranslucentSheetsAreSeenInTheirOrder) {
 }
 
 TEST(VolumePicture, HolesOfABoundaryAreEmpty) {
-  const FormulaVolume field = constant_volume(0.5);  // goes on in the hole
+  const FormulaVolume field = constant_volume(0.5);  // also defined in the hole
   const TriangleMesh ring = test::ring_surface();
   const VolumeSubject subject{&field, nullptr, &ring, {}};
   const VolumePictureOptions options = one_pixel(fog(0.3, 0.25));
@@ -292,10 +293,10 @@ TEST(VolumePicture, HolesOfABoundaryAreEmpty) {
   EXPECT_NEAR(along(subject, options, {0.2, 0.5, 0}, {0.2, 0.5, 1})[3], std::pow(0.7, 4), 1e-5);
   // In, out into the hole, in again, out.
   EXPECT_NEAR(along(subject, options, {0, 0.45, 0.5}, {1, 0.45, 0.5})[3], std::pow(0.7, 4 * 0.6), 1e-5);
-  // Through the diagonals of the faces' triangles and through edges, where triangles may both claim the ray or none.
+  // Along the diagonals of the faces and through edges, where both or neither of two triangles may report the ray.
   EXPECT_NEAR(along(subject, options, {0, 0, 0.5}, {1, 1, 0.5})[3], std::pow(0.7, 4 * 0.6 * std::sqrt(2.0)), 1e-4);
   EXPECT_NEAR(along(subject, options, {0, 0.5, 0.5}, {1, 0.5, 0.5})[3], std::pow(0.7, 4 * 0.6), 1e-4);
-  for (const double y : {0.0, 0.3, 0.7, 1.0}) {  // along faces: whichever side it counts to, a number
+  for (const double y : {0.0, 0.3, 0.7, 1.0}) {  // along faces: on either side, but finite
     const auto p = along(subject, options, {0, y, 0.5}, {1, y, 0.5});
     EXPECT_GE(p[3], std::pow(0.7, 4) - 1e-5);
     EXPECT_LE(p[3], 1);
@@ -303,7 +304,7 @@ TEST(VolumePicture, HolesOfABoundaryAreEmpty) {
 }
 
 TEST(VolumePicture, WhereCrossingsMakeNoSenseTheFieldDecides) {
-  // A boundary with a missing lid: rays that come in through the gap only ever leave.
+  // A boundary without a lid: rays that enter through the opening only leave.
   FormulaVolume field = constant_volume(0.5);
   TriangleMesh open = box_surface({0, 0, 0}, {1, 1, 1});
   open.triangles.erase(open.triangles.begin() + 2, open.triangles.begin() + 4);  // z = 1
@@ -322,7 +323,7 @@ TEST(VolumePicture, WithoutABoundaryInsideIsWhatTheFieldSays) {
   options.step = 0.2;
   const VolumeSubject subject{&field, nullptr, nullptr, {}};
   const double chord = 2 * std::sqrt(0.16 - 0.04);
-  // To two steps, at its ends.
+  // Within two steps, at its ends.
   EXPECT_NEAR(std::log(along(subject, options, {0.7, 0.5, 0}, {0.7, 0.5, 1})[3]) / std::log(0.7) * 0.25, chord,
               2 * 0.2 / 32);
 }
@@ -337,11 +338,11 @@ TEST(VolumePicture, CutsTakeAwayAndShowValues) {
   EXPECT_NEAR(along(subject, options, a, b)[3], std::pow(0.7, 4 * 0.6), 1e-5);
   options.clips = {volume_cut_of("0.25<x<0.5"), volume_cut_of("x<0.1")};
   EXPECT_NEAR(along(subject, options, a, b)[3], std::pow(0.7, 4 * 0.65), 1e-5);
-  options.clips = {volume_cut_of("1,1,0>1")};  // of distance 1 along the unit vector: x + y < √2
+  options.clips = {volume_cut_of("1,1,0>1")};  // at distance 1 along the unit vector: x + y < √2
   EXPECT_NEAR(along(subject, options, a, b)[3], std::pow(0.7, 4 * (std::sqrt(2.0) - 0.5)), 1e-5);
   options.clips = {volume_cut_of("x>-1")};
   EXPECT_EQ(along(subject, options, a, b)[3], 1);
-  // The face has the colour of its value, and nothing shines through.
+  // The face has the colour of its value and is opaque.
   TransferFunction gray = fog(0.3, 0.25);
   gray.colors = {{0, {0, 0, 0}}, {1, {1, 1, 1}}};
   options.transfer = gray;
@@ -350,7 +351,7 @@ TEST(VolumePicture, CutsTakeAwayAndShowValues) {
   const auto face = along(subject, options, a, b);
   EXPECT_EQ(face[3], 0);
   EXPECT_NEAR(face[1], linear_color(gray.color(0.75)).y, 1e-4);
-  // Values that the function leaves clear stay clear.
+  // Values that the function makes clear stay clear.
   gray.opacities = {{0, 0.5}, {0.7, 0.5}, {0.7, 0}, {1, 0}};
   options.transfer = gray;
   EXPECT_EQ(along(subject, options, a, b)[3], 1);
@@ -371,7 +372,7 @@ TEST(VolumePicture, VolumesThatFillLittleOfTheirBoxAreDrawn) {
   Progress progress;
   for (const bool given : {true, false}) {
     VolumeSubject subject{&specks.field, nullptr, &boundary, {}};
-    if (given) subject.places = places;
+    if (given) subject.samples = places;
     const VolumePicture picture(subject, progress);
     EXPECT_NEAR(picture.histogram().least, specks.centers[0].x, specks.radius) << given;
     EXPECT_NEAR(picture.histogram().most, specks.centers[1].x, specks.radius) << given;
@@ -430,7 +431,7 @@ TEST(VolumePicture, ObliqueLatticesEndAtTheirBoundary) {
     const auto left = [&](const Vec3& a, const Vec3& b) {
       return along(subject, options, lattice.from_axes(a), lattice.from_axes(b))[3];
     };
-    for (const double near : {0.5, 0.01, 0.0005}) {  // the nearer to an edge, the shorter the way
+    for (const double near : {0.5, 0.01, 0.0005}) {  // the path is shorter near an edge
       EXPECT_NEAR(left({near, 0.3, -1}, {near, 0.3, 2}), std::pow(0.7, 4), 1e-5) << near;
       EXPECT_EQ(left({-near, 0.3, -1}, {-near, 0.3, 2}), 1) << near;
       EXPECT_NEAR(left({0, near, 0.4}, {near, 0, 0.4}), std::pow(0.7, 4 * near * std::sqrt(2.0)), 1e-5) << near;
@@ -501,7 +502,7 @@ TEST(VolumePicture, TurnsWithFieldAndCamera) {
   const FormulaVolume field = blobs(false), turned = blobs(true);
   VolumePictureOptions options = blob_picture();
   const Image a = picture_of({&field, nullptr, nullptr, {}}, options);
-  options.picture.view.direction.azimuth -= 90;  // the turned one has in −x what this has in z
+  options.picture.view.direction.azimuth -= 90;  // the rotated one has in −x what this has in z
   const Image b = picture_of({&turned, nullptr, nullptr, {}}, options);
   options.picture.view.direction.azimuth += 180;
   const Image c = picture_of({&turned, nullptr, nullptr, {}}, options);
@@ -557,7 +558,7 @@ TEST(VolumeCells, KnowHowManyAroundAreClear) {
   const VolumeCells cells(field, nullptr, progress);
   const auto n = cells.counts();
   std::vector<std::uint8_t> clear(cells.size());
-  for (std::size_t c = 0; c < clear.size(); ++c) clear[c] = c * 2654435761u % 997 < 994;  // few are not
+  for (std::size_t c = 0; c < clear.size(); ++c) clear[c] = c * 2654435761u % 997 < 994;  // only a few are not clear
   std::vector<std::uint8_t> reach = clear;
   detail::clear_reach(cells, reach);
   const auto at = [&](int i, int j, int k) { return static_cast<std::size_t>(i + n[0] * (j + n[1] * k)); };
@@ -580,10 +581,10 @@ TEST(VolumeTracer, RaysDoNotDependOnEachOther) {
   Progress progress;
   const PictureFrame frame{{0.5, 0.5, 0.5}, kDiagonal};
   const VolumeCells cells(field, nullptr, progress);
-  const VolumeStretches stretches(field, &boundary, frame);
+  const VolumeIntervals intervals(field, &boundary, frame);
   const VolumePictureOptions options = blob_picture();
   TracedVolume volume;
-  volume.field = &field, volume.bounded = true, volume.stretches = &stretches, volume.cells = &cells;
+  volume.field = &field, volume.bounded = true, volume.intervals = &intervals, volume.cells = &cells;
   volume.frame = frame;
   Camera camera = one_ray({1.5, 0.4, 1.2}, {-1.5, -0.4, -1.2});
   camera.half_width = camera.half_height = 0.35f;

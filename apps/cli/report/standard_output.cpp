@@ -9,7 +9,7 @@
 #include <cstdlib>
 
 #include "sansmesh/error.h"
-#include "sansmesh/io/output_place.h"
+#include "sansmesh/io/output_destination.h"
 
 namespace sansmesh::cli {
 namespace {

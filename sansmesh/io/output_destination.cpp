@@ -1,4 +1,4 @@
-#include "sansmesh/io/output_place.h"
+#include "sansmesh/io/output_destination.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -15,9 +15,9 @@
 namespace sansmesh::inline v1::io {
 namespace {
 
-constexpr int kMostLinks = 40;  // as the system has it
+constexpr int kMostLinks = 40;  // limit of the system
 
-/// The descriptor that a name in /proc/self/fd stands for; -1: it is none.
+/// The descriptor that a name in /proc/self/fd represents; -1 if it is none.
 int descriptor_of(const std::filesystem::path& path) {
   std::error_code failed;
   const auto folder = std::filesystem::canonical(path.parent_path(), failed);
@@ -28,8 +28,8 @@ int descriptor_of(const std::filesystem::path& path) {
   return error == std::errc() && end == name.data() + name.size() ? number : -1;
 }
 
-/// Goes through the symbolic links one by one, so that the last one may name what is not there yet.
-void follow_links(const std::string& file, OutputPlace& place) {
+/// Follows symbolic links one by one, because the last one may name a file that does not exist yet.
+void follow_links(const std::string& file, OutputDestination& place) {
   for (int hop = 0; hop < kMostLinks; ++hop) {
     struct stat info {};
     if (::lstat(place.path.c_str(), &info) != 0) {
@@ -47,7 +47,7 @@ void follow_links(const std::string& file, OutputPlace& place) {
   fail_output(file, ELOOP);
 }
 
-/// Why the system does not write.
+/// Reason of a write error.
 std::string reason_of(int error) {
   switch (error) {
     case EACCES:
@@ -56,23 +56,23 @@ std::string reason_of(int error) {
     case ENOENT:
       return "its folder does not exist";
     case ENOTDIR:
-      return "its folder is not a folder";
+      return "its folder is a file";
     case EISDIR:
       return "it is a directory";
     case ENOSPC:
       return "the disk is full";
     case EDQUOT:
-      return "the disk is full: no more is granted to this user";
+      return "the disk quota of this user is exceeded";
     case EFBIG:
-      return "it is larger than files may be here, see ulimit -f";
+      return "it exceeds the size limit of files, see ulimit -f";
     case EROFS:
       return "the file system is read-only";
     case ENAMETOOLONG:
       return "its name is too long";
     case ELOOP:
-      return "its symbolic links go round in a circle";
+      return "its symbolic links form a loop";
     case EPIPE:
-      return "nobody reads it any more";
+      return "its reader is gone";
     default:
       return std::strerror(error);
   }
@@ -84,9 +84,9 @@ void fail_output(const std::string& file, int error) {
   throw FileError(file, "cannot be written (" + reason_of(error) + ")");
 }
 
-OutputPlace find_output_place(const std::string& file) {
+OutputDestination find_output_destination(const std::string& file) {
   if (file.empty()) throw FileError("(no name)", "the name of the file to write is empty");
-  OutputPlace place;
+  OutputDestination place;
   place.path = detail::file_to_open(file);
   follow_links(file, place);
   struct stat info {};

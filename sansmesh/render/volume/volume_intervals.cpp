@@ -1,4 +1,4 @@
-#include "sansmesh/render/volume/volume_stretches.h"
+#include "sansmesh/render/volume/volume_intervals.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,14 +7,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kSame = 2e-6;  // crossings as near as this, in diagonals, may be one
+constexpr double kSame = 2e-6;  // crossings closer than this, in diagonals, may be one
 
 Vec3 to_world(const PictureFrame& frame, const VolumeRay& ray, double t) {
   return frame.center + (ray.origin + ray.direction * t) * frame.size;
 }
 
-RayStretch in_box(const VolumeRay& ray, const Vec3& lower, const Vec3& upper) {
-  RayStretch s{0, std::numeric_limits<double>::infinity()};
+RayInterval in_box(const VolumeRay& ray, const Vec3& lower, const Vec3& upper) {
+  RayInterval s{0, std::numeric_limits<double>::infinity()};
   for (std::size_t k = 0; k < 3; ++k) {
     double a = (lower[k] - ray.origin[k]) / ray.direction[k], b = (upper[k] - ray.origin[k]) / ray.direction[k];
     if (ray.direction[k] == 0) {
@@ -24,11 +24,11 @@ RayStretch in_box(const VolumeRay& ray, const Vec3& lower, const Vec3& upper) {
     if (a > b) std::swap(a, b);
     s.begin = std::max(s.begin, a), s.end = std::min(s.end, b);
   }
-  return s.end > s.begin ? s : RayStretch{0, 0};
+  return s.end > s.begin ? s : RayInterval{0, 0};
 }
 
-/// What is left of a stretch when the part between two distances goes.
-void take_away(const RayStretch& s, double from, double to, std::vector<RayStretch>& left) {
+/// Removes the part between two distances from a interval.
+void take_away(const RayInterval& s, double from, double to, std::vector<RayInterval>& left) {
   if (to <= s.begin || from >= s.end) {
     left.push_back(s);
     return;
@@ -39,7 +39,7 @@ void take_away(const RayStretch& s, double from, double to, std::vector<RayStret
 
 }  // namespace
 
-VolumeStretches::VolumeStretches(const VolumeField& field, const TriangleMesh* boundary, const PictureFrame& frame)
+VolumeIntervals::VolumeIntervals(const VolumeField& field, const TriangleMesh* boundary, const PictureFrame& frame)
     : field_(field), frame_(frame) {
   const Box3 box = field.bounds();
   lower_ = (box.lower - frame.center) / frame.size, upper_ = (box.upper - frame.center) / frame.size;
@@ -50,17 +50,17 @@ VolumeStretches::VolumeStretches(const VolumeField& field, const TriangleMesh* b
   boundary_ = RayScene::triangles(vertices, boundary->triangles);
 }
 
-void VolumeStretches::between_crossings(std::span<const VolumeRay> rays,
-                                        std::vector<std::vector<RayStretch>>& found) const {
+void VolumeIntervals::between_crossings(std::span<const VolumeRay> rays,
+                                        std::vector<std::vector<RayInterval>>& found) const {
   struct Doubt {
     std::size_t ray;
-    RayStretch piece;
+    RayInterval piece;
   };
   std::vector<Doubt> doubts;
   std::vector<RayCrossing> hits;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     boundary_->crossings(Vec3f(rays[i].origin), Vec3f(rays[i].direction), std::numeric_limits<float>::infinity(), hits);
-    // Triangles that share an edge or corner may report it each.
+    // Triangles with a common edge or corner may each report it.
     std::vector<RayCrossing> crossings;
     for (const RayCrossing& hit : hits)
       if (crossings.empty() || crossings.back().entering != hit.entering ||
@@ -70,7 +70,7 @@ void VolumeStretches::between_crossings(std::span<const VolumeRay> rays,
     int depth = crossings.front().entering ? 0 : 1;  // the eye may be inside
     bool sound = true;
     double begin = 0;
-    std::vector<RayStretch>& own = found[i];
+    std::vector<RayInterval>& own = found[i];
     for (const RayCrossing& c : crossings) {
       const double t = static_cast<double>(c.distance);
       if (c.entering) {
@@ -100,26 +100,26 @@ void VolumeStretches::between_crossings(std::span<const VolumeRay> rays,
     if (inside[k]) found[doubts[k].ray].push_back(doubts[k].piece);
 }
 
-void VolumeStretches::find(std::span<const VolumeRay> rays, std::span<const VolumeCut> cuts,
-                           std::vector<RayStretch>& stretches, std::vector<std::uint32_t>& first) const {
-  stretches.clear();
+void VolumeIntervals::find(std::span<const VolumeRay> rays, std::span<const VolumeCut> cuts,
+                           std::vector<RayInterval>& intervals, std::vector<std::uint32_t>& first) const {
+  intervals.clear();
   first.assign(1, 0);
-  std::vector<std::vector<RayStretch>> found(rays.size());
+  std::vector<std::vector<RayInterval>> found(rays.size());
   if (boundary_) {
     between_crossings(rays, found);
   } else {
     for (std::size_t i = 0; i < rays.size(); ++i)
-      if (const RayStretch s = in_box(rays[i], lower_, upper_); s.end > s.begin) found[i].push_back(s);
+      if (const RayInterval s = in_box(rays[i], lower_, upper_); s.end > s.begin) found[i].push_back(s);
   }
-  std::vector<RayStretch> left;
+  std::vector<RayInterval> left;
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    std::vector<RayStretch>& own = found[i];
+    std::vector<RayInterval>& own = found[i];
     for (const VolumeCut& cut : cuts) {
       const Vec3 n = normalized(cut.normal);
       const double along = dot(n, rays[i].direction) * frame_.size;
-      const double from = dot(n, to_world(frame_, rays[i], 0)) - cut.offset;  // > 0: on the side that goes
+      const double from = dot(n, to_world(frame_, rays[i], 0)) - cut.offset;  // > 0: on the removed side
       constexpr double kFar = std::numeric_limits<double>::infinity();
-      double begin = -kFar, end = kFar;  // of the part that goes
+      double begin = -kFar, end = kFar;  // removed part
       if (along == 0) {
         if (!(from > 0 && from < cut.thickness)) continue;
       } else {
@@ -127,11 +127,11 @@ void VolumeStretches::find(std::span<const VolumeRay> rays, std::span<const Volu
         if (begin > end) std::swap(begin, end);
       }
       left.clear();
-      for (const RayStretch& s : own) take_away(s, begin, end, left);
+      for (const RayInterval& s : own) take_away(s, begin, end, left);
       own.swap(left);
     }
-    stretches.insert(stretches.end(), own.begin(), own.end());
-    first.push_back(static_cast<std::uint32_t>(stretches.size()));
+    intervals.insert(intervals.end(), own.begin(), own.end());
+    first.push_back(static_cast<std::uint32_t>(intervals.size()));
   }
 }
 
