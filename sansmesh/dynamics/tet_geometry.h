@@ -13,6 +13,9 @@
 
 namespace sansmesh::inline v1 {
 
+/// Corners of the six edges of a tetrahedron.
+inline constexpr std::size_t kTetEdges[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
 /// Signed volume of tetrahedron `t` with its vertices at `x`; negative where it is inside out.
 double tet_volume(const Tet& t, std::span<const Vec3> x);
 

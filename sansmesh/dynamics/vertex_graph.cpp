@@ -6,11 +6,10 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/dynamics/tet_geometry.h"
 
 namespace sansmesh::inline v1 {
 namespace {
-
-constexpr std::size_t kEdgeEnds[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 
 /// Makes beginnings of counts: count[i] stands at begin[i + 1].
 void sum_up(std::vector<std::uint32_t>& begin) {
@@ -23,7 +22,7 @@ VertexGraph vertex_graph(std::span<const Tet> tets, std::size_t vertices) {
   std::vector<std::uint64_t> keys(6 * tets.size());
   parallel_for(0, tets.size(), 4096, [&](std::size_t k) {
     for (std::size_t e = 0; e < 6; ++e) {
-      const std::uint32_t a = tets[k][kEdgeEnds[e][0]], b = tets[k][kEdgeEnds[e][1]];
+      const std::uint32_t a = tets[k][kTetEdges[e][0]], b = tets[k][kTetEdges[e][1]];
       keys[6 * k + e] = static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
     }
   });
@@ -76,7 +75,7 @@ ItemLists tets_of_edges(std::span<const Tet> tets, const VertexGraph& graph) {
   lists.begin.assign(graph.edges.size() + 1, 0);
   parallel_for(0, tets.size(), 4096, [&](std::size_t k) {
     for (std::size_t e = 0; e < 6; ++e) {
-      edges[6 * k + e] = edge_between(tets[k][kEdgeEnds[e][0]], tets[k][kEdgeEnds[e][1]]);
+      edges[6 * k + e] = edge_between(tets[k][kTetEdges[e][0]], tets[k][kTetEdges[e][1]]);
     }
   });
   for (const std::uint32_t e : edges) ++lists.begin[e + 1];
@@ -85,7 +84,7 @@ ItemLists tets_of_edges(std::span<const Tet> tets, const VertexGraph& graph) {
   std::vector<std::uint32_t> next(lists.begin.begin(), lists.begin.end() - 1);
   for (std::size_t k = 0; k < edges.size(); ++k) {
     const Tet& t = tets[k / 6];
-    std::size_t a = kEdgeEnds[k % 6][0], b = kEdgeEnds[k % 6][1];
+    std::size_t a = kTetEdges[k % 6][0], b = kTetEdges[k % 6][1];
     if (t[a] > t[b]) std::swap(a, b);
     lists.items[next[edges[k]]++] = static_cast<std::uint32_t>(16 * (k / 6) + 4 * a + b);
   }

@@ -16,6 +16,7 @@
 #include "sansmesh/mesh/edit/clip_mesh.h"
 #include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/polygonize/lattice.h"
+#include "sansmesh/polygonize/simplex_order.h"
 #include "sansmesh/polygonize/surface_chain.h"
 #include "sansmesh/polygonize/vertex_placement.h"
 
@@ -447,24 +448,7 @@ struct Extraction {
     for (const auto& tet : a.pattern->tets) {
       const int mask = (in[tet[0]] ? 1 : 0) | (in[tet[1]] ? 2 : 0) | (in[tet[2]] ? 4 : 0) | (in[tet[3]] ? 8 : 0);
       if (mask == 0 || mask == 15) continue;
-      // Even permutations bring the inside vertices first: one of v; or two v, w; or three with the odd one out last.
-      static constexpr std::array<std::array<std::uint8_t, 4>, 16> kOrder{{{0, 1, 2, 3},
-                                                                           {0, 1, 2, 3},
-                                                                           {1, 0, 3, 2},
-                                                                           {0, 1, 2, 3},
-                                                                           {2, 0, 1, 3},
-                                                                           {0, 2, 3, 1},
-                                                                           {1, 2, 0, 3},
-                                                                           {0, 1, 2, 3},
-                                                                           {3, 0, 2, 1},
-                                                                           {0, 3, 1, 2},
-                                                                           {1, 3, 2, 0},
-                                                                           {0, 3, 1, 2},
-                                                                           {2, 3, 0, 1},
-                                                                           {0, 2, 3, 1},
-                                                                           {1, 3, 2, 0},
-                                                                           {0, 1, 2, 3}}};
-      const auto& o = kOrder[static_cast<std::size_t>(mask)];
+      const auto& o = kInsideFirst[static_cast<std::size_t>(mask)];
       const std::uint32_t v0 = number[tet[o[0]]], v1 = number[tet[o[1]]], v2 = number[tet[o[2]]],
                           v3 = number[tet[o[3]]];
       switch (std::popcount(static_cast<unsigned>(mask))) {

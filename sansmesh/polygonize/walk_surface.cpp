@@ -10,6 +10,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
+#include "sansmesh/polygonize/simplex_order.h"
 #include "sansmesh/triangulation/block_tree_view.h"
 #include "sansmesh/triangulation/j1a.h"
 
@@ -188,26 +189,9 @@ class SurfaceWalk {
   void march(std::size_t n, const Crossing& crossing, std::vector<Triangle>& out) const {
     Corners v = corners_[n];
     if (orientation(simplices_[n]) < 0) std::swap(v[2], v[3]);
-    // Even permutations bring the vertices inside to the front.
     unsigned mask = 0;
     for (unsigned i = 0; i < 4; ++i) mask |= (values_[v[i]] < 0 ? 1u : 0u) << i;
-    static constexpr std::array<std::array<std::uint8_t, 4>, 16> kOrder{{{0, 1, 2, 3},
-                                                                         {0, 1, 2, 3},
-                                                                         {1, 0, 3, 2},
-                                                                         {0, 1, 2, 3},
-                                                                         {2, 0, 1, 3},
-                                                                         {0, 2, 3, 1},
-                                                                         {1, 2, 0, 3},
-                                                                         {0, 1, 2, 3},
-                                                                         {3, 0, 2, 1},
-                                                                         {0, 3, 1, 2},
-                                                                         {1, 3, 2, 0},
-                                                                         {0, 3, 1, 2},
-                                                                         {2, 3, 0, 1},
-                                                                         {0, 2, 3, 1},
-                                                                         {1, 3, 2, 0},
-                                                                         {0, 1, 2, 3}}};
-    const auto& o = kOrder[mask];
+    const auto& o = kInsideFirst[mask];
     const std::uint32_t a = v[o[0]], b = v[o[1]], c = v[o[2]], d = v[o[3]];
     switch (std::popcount(mask)) {
       case 1:
