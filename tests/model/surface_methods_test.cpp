@@ -47,6 +47,11 @@ TEST(SurfaceMethods, NamesAreTakenOnce) {
   EXPECT_THROW(SurfaceMethod::registry().add({.name = "", .summary = "", .page = ""}), ArgumentError);
 }
 
+TEST(SurfaceMethods, NeedAFunctionThatMakesThem) {
+  EXPECT_THROW(SurfaceMethod::registry().add({.name = "no-make", .summary = "", .page = ""}), ArgumentError);
+  EXPECT_EQ(SurfaceMethod::registry().find("no-make"), nullptr);
+}
+
 TEST(SurfaceMethods, HavePagesInTheDocs) {
   for (const SurfaceMethod* const method : SurfaceMethod::registry().all())
     EXPECT_TRUE(std::filesystem::is_regular_file(test::source_file("docs/methods/" + std::string(method->page))))
