@@ -13,6 +13,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/mesh_measures.h"
+#include "sansmesh/model/surface_model.h"
 #include "sansmesh/reconstruct.h"
 #include "support/clouds.h"
 #include "support/places.h"
