@@ -16,7 +16,7 @@ struct Note {
 
   std::string code;                       ///< stable identifier of the subject for programs, in lower case: "moved_far"
   std::string text;                       ///< one line, without its full stop
-  std::string remedy = {};                     ///< suggested remedy; empty if none is known
+  std::string remedy = {};                ///< suggested remedy; empty if none is known
   Severity severity = Severity::warning;  ///< warning if the result may not be as intended
   std::string of = {};                    ///< name of the input, if the job has several
 };

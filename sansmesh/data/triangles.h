@@ -26,5 +26,4 @@ inline Vec3 doubled_area(std::span<const Vec3f> vertices, const Triangle& t) {
   return is_finite(area) ? area : Vec3{};
 }
 
-
 }  // namespace sansmesh::inline v1

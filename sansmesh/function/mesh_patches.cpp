@@ -1,5 +1,5 @@
-#include "sansmesh/core/edge_key.h"
 #include "sansmesh/function/mesh_patches.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <algorithm>
 #include <array>

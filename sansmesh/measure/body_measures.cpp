@@ -1,5 +1,5 @@
-#include "sansmesh/core/edge_key.h"
 #include "sansmesh/measure/body_measures.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <Eigen/Dense>
 #include <algorithm>

@@ -92,7 +92,9 @@ namespace {
 bool has_normals(const GivenNormals& given) { return given.report.check != OrientationCheck::missing; }
 
 /// Absent without normals.
-std::optional<double> of_normals(const GivenNormals& given, double share) { return value_if(has_normals(given), share); }
+std::optional<double> of_normals(const GivenNormals& given, double share) {
+  return value_if(has_normals(given), share);
+}
 
 constexpr ReportRow kGivenNormalsRows[] = {
     reported<&GivenNormals::oriented>({.text = "Whether the signs are consistent"}),

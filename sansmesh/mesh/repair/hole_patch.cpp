@@ -1,5 +1,5 @@
-#include "sansmesh/core/edge_key.h"
 #include "sansmesh/mesh/repair/hole_patch.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>

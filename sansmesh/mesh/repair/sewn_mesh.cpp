@@ -1,5 +1,5 @@
-#include "sansmesh/core/edge_key.h"
 #include "sansmesh/mesh/repair/sewn_mesh.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <algorithm>
 #include <array>

@@ -211,7 +211,7 @@ SceneFactory scene_factory(const TriangleMesh& mesh, const RenderOptions& option
 }
 
 SceneFactory scene_factory(const SurfaceCaster& caster, const LocalFrame& local, const ColorField* colors,
-                                const SurfaceRenderOptions& options) {
+                           const SurfaceRenderOptions& options) {
   options.validate();
   SurfaceRenderOptions own = options;
   own.picture.look.shadows = false;

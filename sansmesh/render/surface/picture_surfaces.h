@@ -22,7 +22,7 @@ namespace sansmesh::inline v1 {
 /// A surface without a mesh, with local coordinates in `frame`. Caster and colours (which may be null) must outlive the
 /// pictures.
 SceneFactory scene_factory(const SurfaceCaster& caster, const LocalFrame& frame, const ColorField* colors,
-                                const SurfaceRenderOptions& options);
+                           const SurfaceRenderOptions& options);
 
 /// Appearance of a surface with a flow along it.
 struct FlowLook {
