@@ -136,7 +136,7 @@ class VolumePoses {
     subject.field = &field;
     std::vector<Vec3> places, framed = framed_;
     if (outside) add_finite_points(outside->origin, outside->vertices, places);
-    subject.places = places;
+    subject.samples = places;
     if (framed.empty() && torn) add_corners(deformation_.box_of(maps, before_).value_or(box), framed);
     subject.framed = framed;
     if (options_.draw_folds && !folded.triangles.empty())
