@@ -170,7 +170,6 @@ MapStretch::Range MapStretch::around(const Vec3& x, double radius) const {
   std::size_t first[3], last[3];
   std::size_t count = 1;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double most = static_cast<double>(counts_[k] - 1);
     const double low = std::floor((x[k] - radius - box_.lower[k]) * inverse_[k]) - 1;
     const double high = std::ceil((x[k] + radius - box_.lower[k]) * inverse_[k]) + 1;
     first[k] = index_in<std::size_t>(low, 0, counts_[k] - 1);

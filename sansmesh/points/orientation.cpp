@@ -29,7 +29,7 @@ constexpr std::size_t kCheckSamples = 30000;
 constexpr int kExtremeDirections = 64;
 /// Cosines between normals and directions to the sensor: above the first, the sign is fixed at once; above the second,
 /// after the smooth patches, where these are undecided.
-constexpr float kClearCosine = 0.5f, kLeastCosine = 0.25f;
+constexpr float kClearSensorCosine = 0.5f, kLeastSensorCosine = 0.25f;
 /// A direction is implausible if this share of the visible samples of smooth patches contradicts the rest of the patch.
 constexpr double kMostContradiction = 0.2;
 /// Number of samples sufficient for this test, and length of their stretches.
@@ -88,7 +88,7 @@ class SensorCosines {
         }
     std::vector<double> agree(n), differ(n);
     for (std::size_t s = 0; s < n; s = next_of_stretch(s, skip)) {
-      if (!(std::abs(cosine_[s]) > kLeastCosine)) continue;
+      if (!(std::abs(cosine_[s]) > kLeastSensorCosine)) continue;
       const SignForest::Root root = forest.find(static_cast<std::uint32_t>(s));
       const double weight = static_cast<double>(cosine_[s]) * static_cast<double>(cosine_[s]);
       ((cosine_[s] < 0) != root.flip ? differ : agree)[root.index] += weight;
@@ -112,7 +112,7 @@ class SensorCosines {
 // them. Samples that clearly face the sensor or away are fixed before, the others after the patches.
 void propagate(const RelationGraph& graph, const SensorCosines& sensor, SignForest& forest, Progress& progress) {
   if (sensor.known()) {
-    sensor.join(forest, kClearCosine);
+    sensor.join(forest, kClearSensorCosine);
     forest.flatten();
   } else {
     join_stretches(graph, forest, kSure[0]);
@@ -121,7 +121,7 @@ void propagate(const RelationGraph& graph, const SensorCosines& sensor, SignFore
     join_sure(graph, forest, sure);
     progress.advance(graph.size());
   }
-  if (sensor.known()) sensor.join(forest, kLeastCosine);
+  if (sensor.known()) sensor.join(forest, kLeastSensorCosine);
   forest.flatten();
   join_by_votes(graph, forest);
   progress.advance(graph.size());
@@ -415,8 +415,8 @@ double share_facing_away(const PointSet& points, std::span<const Vec3f> directio
   std::size_t away = 0, clear = 0;
   for (std::size_t i = 0; i < directions.size(); ++i) {
     const float cosine = dot(points.normals[i], directions[i]);
-    clear += std::abs(cosine) > kLeastCosine;
-    away += cosine < -kLeastCosine;
+    clear += std::abs(cosine) > kLeastSensorCosine;
+    away += cosine < -kLeastSensorCosine;
   }
   return clear > 0 ? static_cast<double>(away) / static_cast<double>(clear) : 0;
 }
