@@ -16,7 +16,14 @@ Box3 box_of(const GridBlock& block) {
   Box3 box;
   for (const Vec3& p : block.points)
     if (is_finite(p)) box.extend(p);
-  if (block.kind != GridKind::lattice) return box;
+  if (block.kind == GridKind::lattice) box.extend(lattice_box(block));
+  return box;
+}
+
+}  // namespace
+
+Box3 lattice_box(const GridBlock& block) {
+  Box3 box;
   for (std::size_t corner = 0; corner < 8; ++corner) {
     Vec3 p = block.origin;
     for (std::size_t k = 0; k < 3; ++k)
@@ -26,8 +33,6 @@ Box3 box_of(const GridBlock& block) {
   }
   return box;
 }
-
-}  // namespace
 
 std::string out_of_limits(const GridData& data) {
   Box3 box;
