@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
@@ -128,9 +129,7 @@ void TetMap::State::gather(std::size_t level, std::size_t node, const Box3& box,
       if (part.empty()) continue;
       Box3 image;
       for (int k = 0; k < 8; ++k) {
-        const Vec3 p{k & 1 ? part.upper.x : part.lower.x, k & 2 ? part.upper.y : part.lower.y,
-                     k & 4 ? part.upper.z : part.lower.z};
-        const Vec3 d = p - a.corner;
+        const Vec3 d = box_corner(part, k) - a.corner;
         image.extend(a.image + a.jacobian[0] * d.x + a.jacobian[1] * d.y + a.jacobian[2] * d.z);
       }
       found.extend(common(image, a.to));

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/data/world_points.h"
 #include "sansmesh/deform/displacement_map.h"
@@ -49,9 +50,7 @@ Box3 with_room(const Box3& box, double share) {
 }
 
 void add_corners(const Box3& box, std::vector<Vec3>& points) {
-  for (int c = 0; c < 8; ++c)
-    points.push_back(
-        {(c & 1 ? box.upper : box.lower).x, (c & 2 ? box.upper : box.lower).y, (c & 4 ? box.upper : box.lower).z});
+  for (int c = 0; c < 8; ++c) points.push_back(box_corner(box, c));
 }
 
 std::vector<Vec3> points_of_poses(const Deformation& deformation, const Box3& before, const DeformOptions& options,

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "sansmesh/cell_list.h"
 #include "sansmesh/measure/signed_distance.h"
 #include "sansmesh/mesh/mesh_closest.h"
 #include "sansmesh/triangle_mesh.h"

@@ -7,6 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
@@ -34,14 +35,10 @@ Rectangle cut_of_box(const Box3& box, const CutPlane& plane) {
     r.u0 = std::min(r.u0, u), r.u1 = std::max(r.u1, u);
     r.v0 = std::min(r.v0, v), r.v1 = std::max(r.v1, v);
   };
-  const auto corner = [&](int i) {
-    return Vec3{(i & 1 ? box.upper : box.lower).x, (i & 2 ? box.upper : box.lower).y,
-                (i & 4 ? box.upper : box.lower).z};
-  };
   for (int i = 0; i < 8; ++i)
     for (int bit = 1; bit < 8; bit <<= 1) {
       if (i & bit) continue;
-      const Vec3 a = corner(i), b = corner(i | bit);
+      const Vec3 a = box_corner(box, i), b = box_corner(box, i | bit);
       const double ha = plane.height(a), hb = plane.height(b);
       if (ha == 0) add(a);
       if (hb == 0) add(b);

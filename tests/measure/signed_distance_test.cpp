@@ -327,21 +327,14 @@ TEST(FieldDistance, FittedFunctionAgainstItself) {
   EXPECT_EQ(measured, x.size());
 }
 
-/// A field with steep and flat regions and float-like noise: wrong gradients, but correct signs.
-class RoughField : public ScalarField {
- public:
-  Box3 bounds() const override { return {{-2, -2, -2}, {2, 2, 2}}; }
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const double d = norm(x[i]) - 1;
-      values[i] = std::cbrt(d) * (1 + 1e-7 * std::sin(1e9 * x[i].x));
-      if (!gradients.empty()) gradients[i] = normalized(x[i]) * (1 / (3 * std::max(1e-12, std::cbrt(d * d))));
-    }
-  }
-};
-
 TEST(FieldDistance, BisectsWhereNewtonFails) {
-  const RoughField rough;  // Newton's step from d leads to −2 d; 1e-6 of the diagonal is 7e-6
+  // Steep and flat regions and float-like noise: wrong gradients, but correct signs. Newton's step from d leads to −2
+  // d.
+  const test::FormulaField rough([](const Vec3& x, Vec3& gradient) {
+    const double d = norm(x) - 1;
+    gradient = normalized(x) * (1 / (3 * std::max(1e-12, std::cbrt(d * d))));
+    return std::cbrt(d) * (1 + 1e-7 * std::sin(1e9 * x.x));
+  });
   std::mt19937 random(9);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> radius(0.2, 4);
@@ -353,27 +346,21 @@ TEST(FieldDistance, BisectsWhereNewtonFails) {
     truth.push_back(r - 1);
   }
   const std::vector<MeasuredPoint> found = ask_all(FieldDistance(rough), x);
-  for (std::size_t i = 0; i < x.size(); ++i) ASSERT_NEAR(found[i].distance, truth[i], 7e-6) << i;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    ASSERT_NEAR(found[i].distance, truth[i], 7e-6) << i;  // 1e-6 of the diagonal
 }
 
-/// Two balls in a row: from beyond one, a long step leads to the other.
-class TwoBalls : public ScalarField {
- public:
-  Box3 bounds() const override { return {{-4, -2, -2}, {4, 2, 2}}; }
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const Vec3 to{std::abs(x[i].x) - 1, x[i].y, x[i].z};
-      // Flat, so that every step is several times too long.
-      const double d = norm(to) - 0.5, flat = std::tanh(d);
-      values[i] = flat;
-      if (!gradients.empty())
-        gradients[i] = Vec3{std::copysign(to.x, x[i].x * to.x), to.y, to.z} * ((1 - flat * flat) / norm(to));
-    }
-  }
-};
-
 TEST(FieldDistance, SkipsNoPartOfTheSurface) {
-  const TwoBalls balls;
+  // Two balls in a row: from beyond one, a long step leads to the other. Flat, so that every step is several times too
+  // long.
+  const test::FormulaField balls(
+      [](const Vec3& x, Vec3& gradient) {
+        const Vec3 to{std::abs(x.x) - 1, x.y, x.z};
+        const double flat = std::tanh(norm(to) - 0.5);
+        gradient = Vec3{std::copysign(to.x, x.x * to.x), to.y, to.z} * ((1 - flat * flat) / norm(to));
+        return flat;
+      },
+      Box3{{-4, -2, -2}, {4, 2, 2}});
   const FieldDistance surface(balls);
   for (const double x : {1.6, 2.0, 2.5, 3.0, 4.0, 6.0}) EXPECT_NEAR(ask(surface, {x, 0, 0}).distance, x - 1.5, 1e-6);
 }

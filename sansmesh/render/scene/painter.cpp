@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/curvature_field.h"
@@ -84,9 +85,7 @@ std::vector<Vec3f> shown_corners(std::span<const Vec3f> points, const PictureFra
   if (box.empty()) throw ArgumentError("`clip_box` contains no part of the scene");
   std::vector<Vec3f> corners;
   corners.reserve(8);
-  for (int c = 0; c < 8; ++c)
-    corners.push_back(
-        {(c & 1 ? box.upper : box.lower).x, (c & 2 ? box.upper : box.lower).y, (c & 4 ? box.upper : box.lower).z});
+  for (int c = 0; c < 8; ++c) corners.push_back(box_corner(box, c));
   return corners;
 }
 

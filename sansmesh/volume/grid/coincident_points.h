@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
@@ -31,6 +32,11 @@ std::vector<double> shortest_edges(std::size_t points, const EachEdge& each_edge
   });
   return shortest;
 }
+
+/// For each point the first of all points that coincide with it, directly or through others: those within the smaller
+/// of both tolerances. Only the `joinable` points are considered. Empty if no two points coincide.
+std::vector<std::uint32_t> joined_points(std::span<const Vec3> points, std::span<const std::uint32_t> joinable,
+                                         const std::function<double(std::uint32_t)>& tolerance);
 
 /// For each point the first point that coincides with it, within a hundredth of its shortest edge and 1e-6 of the
 /// extent. Only joinable points with an edge are considered. Empty if no two points coincide.

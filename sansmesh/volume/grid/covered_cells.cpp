@@ -7,6 +7,7 @@
 #include <tuple>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/grid_limits.h"
 #include "sansmesh/volume/cells/box_tree.h"
 #include "sansmesh/volume/cells/cell_adjacency.h"
 #include "sansmesh/volume/cells/cell_finder.h"
@@ -49,19 +50,6 @@ Vec3 place_in_cell(CellShape shape, std::span<const Vec3> corners, Vec3 u) {
   Vec3 x;
   for (std::size_t k = 0; k < corners.size(); ++k) x += corners[k] * weights[k];
   return x;
-}
-
-Box3 lattice_box(const GridBlock& b) {
-  Box3 box;
-  for (int c = 0; c < 8; ++c) {
-    Vec3 corner = b.origin;
-    for (int k = 0; k < 3; ++k) {
-      const auto& axis = b.axes[static_cast<std::size_t>(k)];
-      corner += b.directions[static_cast<std::size_t>(k)] * (c >> k & 1 ? axis.back() : axis.front());
-    }
-    box.extend(corner);
-  }
-  return box;
 }
 
 template <class T>
