@@ -69,8 +69,9 @@ class SANSMESH_API FlowModel {
   std::vector<Note> step_notes() const;
 
   /// Seeds in the syntax of parse_seeds, with those of files read (points that are not finite are dropped, with the
-  /// note "not_finite"). An empty text gives `usual` seeds in the box of the flow. Throws ArgumentError, FileError.
-  Seeds seeds(const std::string& text, std::size_t usual, std::vector<Note>& notes) const;
+  /// note "not_finite"). An empty text gives `default_count` seeds in the box of the flow. Throws ArgumentError,
+  /// FileError.
+  Seeds seeds(const std::string& text, std::size_t default_count, std::vector<Note>& notes) const;
   /// Seeds that must form a curve. Throws as seeds().
   Seeds seed_curve(const std::string& text, std::vector<Note>& notes) const;
 
@@ -103,7 +104,7 @@ struct SANSMESH_API TraceLinesOptions {
 };
 
 /// Array that colours lines by default.
-SANSMESH_API std::string usual_color(const FlowLineOptions& options);
+SANSMESH_API std::string default_color(const FlowLineOptions& options);
 
 /// Lines with the quantities along them.
 struct TraceLinesResult {

@@ -125,9 +125,9 @@ struct SANSMESH_API LinePictureOptions {
 
   /// Option rows, those of `picture` included.
   static const OptionSchema& schema();
-  /// Throws ArgumentError for bad options, and if the picture is too narrow for its scale. `usual`: default for
+  /// Throws ArgumentError for bad options, and if the picture is too narrow for its scale. `default_color`: default for
   /// `color_by`.
-  void validate(const std::string& usual) const;
+  void validate(const std::string& default_color) const;
   /// Throws ArgumentError unless `color_by` is one of these arrays.
   void check_color(const std::vector<std::string>& arrays) const;
 };
@@ -150,7 +150,7 @@ SANSMESH_API double tube_radius(const PolylineSet& lines, const std::optional<do
 /// Draws lines as tubes. The scale weights each value by its share of the tubes and clips one hundredth at each end.
 /// Throws ArgumentError for bad options, DataError if there is nothing to draw.
 SANSMESH_API LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& options,
-                                      const std::string& usual, Progress& progress);
+                                      const std::string& default_color, Progress& progress);
 
 /// Picture of an alignment: the moved surface in orange, the fixed one in gray.
 SANSMESH_API Image draw_alignment(const AlignResult& aligned, RenderOptions picture, Progress& progress);

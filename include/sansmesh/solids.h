@@ -32,7 +32,7 @@ class SANSMESH_API SolidModel {
   /// Notes from reading. "read", "volume", "reconstruction": on files; "mesh_solid": changes to a mesh.
   const std::vector<Note>& notes() const;
   /// Default for the components of its mesh: functions of scans may have small sheets far from their surface.
-  ComponentChoice usual_components() const;
+  ComponentChoice default_components() const;
   /// "open": functions whose surface bounds no solid.
   std::vector<Note> open_notes() const;
 

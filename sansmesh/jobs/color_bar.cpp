@@ -14,10 +14,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr int kBarSteps = 16;         // colour samples per half of the bar
-constexpr double kRare = 0.01;        // share of the values clipped at each end of the bar
-constexpr double kWithSign = 0.05;    // share of the larger side that makes the smaller side significant
-constexpr int kLeastBesideOne = 100;  // least width of the picture beside the bar, pixels
+constexpr int kBarSteps = 16;       // colour samples per half of the bar
+constexpr double kRare = 0.01;      // share of the values clipped at each end of the bar
+constexpr double kWithSign = 0.05;  // share of the larger side that makes the smaller side significant
+constexpr int kLeastBeside = 100;   // least width of the picture beside a bar or legend, pixels
 constexpr Vec3f kUnknown{0.55f, 0.55f, 0.55f};
 
 TransferFunction colors_over(double lower, double upper, Vec3f (*color)(float)) {
@@ -102,19 +102,20 @@ ColorBar color_by_attribute(TriangleMesh& mesh, const std::string& name,
 
 void check_room_beside(const RenderOptions& picture, const ColorBar& bar, std::string_view what) {
   const int width = bar.width(picture.view.height);
-  if (width > 0 && picture.view.width < width + kLeastBesideOne)
+  if (width > 0 && picture.view.width < width + kLeastBeside)
     throw ArgumentError(fmt::format("`width = {}` is too narrow: a picture {} high needs {} or more with its {}",
-                                    picture.view.width, picture.view.height, width + kLeastBesideOne, what));
+                                    picture.view.width, picture.view.height, width + kLeastBeside, what));
 }
 
-void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar) {
-  if (!bar) return;
-  const int width = bar->width(options.view.height);
-  if (width > 0 && options.view.width < width + kLeastBesideOne)
-    throw ArgumentError(
-        fmt::format("`width = {}` is too narrow: the colour bar takes {} of it; `bar = false` leaves it out",
-                    options.view.width, width));
+void reserve_width(RenderOptions& options, int width, std::string_view what, std::string_view option) {
+  if (width > 0 && options.view.width < width + kLeastBeside)
+    throw ArgumentError(fmt::format("`width = {}` is too narrow: {} of it are for {} (omitted by `{} = false`)",
+                                    options.view.width, width, what, option));
   options.view.width -= width;
+}
+
+void reserve_width(RenderOptions& options, const std::optional<ColorBar>& bar) {
+  if (bar) reserve_width(options, bar->width(options.view.height), "the colour bar", "bar");
 }
 
 Image beside_bar(const Image& image, const std::optional<ColorBar>& bar, const RenderOptions& picture) {

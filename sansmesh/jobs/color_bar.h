@@ -34,8 +34,11 @@ ColorBar curvature_bar(CurvatureQuantity quantity, double range, const std::stri
 inline constexpr double kWidestNumbers = 1.2e-100;
 /// Throws ArgumentError unless the picture has space for the bar, which errors call `what`.
 void check_room_beside(const RenderOptions& picture, const ColorBar& bar, std::string_view what);
-/// Reserves space for a bar in the width of the picture. Throws ArgumentError if there is none.
-void leave_room(RenderOptions& options, const std::optional<ColorBar>& bar);
+/// Reserves part of the picture's width for `what`, which `option = false` omits. Throws ArgumentError if too little is
+/// left.
+void reserve_width(RenderOptions& options, int width, std::string_view what, std::string_view option);
+/// Reserves the width of a bar, if there is one.
+void reserve_width(RenderOptions& options, const std::optional<ColorBar>& bar);
 /// One number per row; the length for vectors.
 std::vector<double> sizes_of(const Attribute& attribute);
 /// Colours the vertices by an attribute, by the length for vectors; undefined values are grey. `range`: values at the

@@ -47,7 +47,7 @@ MapPicture draw_map(const CompareResult& compared, const CompareOptions& options
   MapPicture made{.image = {}, .made_with = picture};
   made.made_with.look.background = Background::solid({0.93f, 0.94f, 0.95f});
   made.made_with.look.shadows = made.made_with.look.ground = false;
-  leave_room(made.made_with, scale);
+  reserve_width(made.made_with, scale);
   made.image = beside_bar(render_mesh(compared.mesh, made.made_with, progress), scale, made.made_with);
   return made;
 }

@@ -14,7 +14,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 /// Performs a step and returns its remark.
-struct DoStep {
+struct ApplyStep {
   CloudOrMesh& data;
   const std::string& unit;  ///< unit of the input
   AboutStep about_now = {};
@@ -59,9 +59,9 @@ struct DoStep {
 };
 
 /// "`box` leaves nothing …".
-std::string in_accents(std::string_view name) { return "`" + std::string(name) + "`"; }
+std::string in_backticks(std::string_view name) { return "`" + std::string(name) + "`"; }
 
-ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step, DoStep& how) {
+ConvertedBy apply_step(CloudOrMesh& data, const ConvertStep& step, ApplyStep& how) {
   ConvertedBy done{.step = step_name(step), .remark = {}, .triangles = {}};
   const Box3 box = data.bounds();
   const std::string before = data.size_words();
@@ -70,10 +70,10 @@ ConvertedBy do_step(CloudOrMesh& data, const ConvertStep& step, DoStep& how) {
   } catch (const DataError& error) {
     const std::string cause = error.what();
     const bool sentence = cause.starts_with("a ") || cause.starts_with("there ");
-    throw DataError(in_accents(done.step) + (sentence ? ": " : " ") + cause);
+    throw DataError(in_backticks(done.step) + (sentence ? ": " : " ") + cause);
   }
   if (data.size() == 0 || (data.is_mesh && data.mesh.triangles.empty()))
-    throw DataError(fmt::format("{} leaves nothing of {} between {} and {}", in_accents(done.step), before,
+    throw DataError(fmt::format("{} leaves nothing of {} between {} and {}", in_backticks(done.step), before,
                                 point_words(box.lower, 10), point_words(box.upper, 10)));
   done.size = data.size();
   if (data.is_mesh) done.triangles = data.mesh.triangles.size();
@@ -145,7 +145,7 @@ void write_converted(const std::string& file, const CloudOrMesh& data, bool asci
 std::vector<std::string> summary_of(const ConvertReport& report) {
   std::vector<std::string> lines;
   for (const ConvertedBy& done : report.steps)
-    if (!done.remark.empty()) lines.push_back(in_accents(done.step) + ": " + done.remark);
+    if (!done.remark.empty()) lines.push_back(in_backticks(done.step) + ": " + done.remark);
   return lines;
 }
 
@@ -156,14 +156,14 @@ ConvertResult convert(PointSet read, const ConvertOptions& options, Progress& pr
   result.report.size_words = data.size_words();
   result.report.size = data.size(), result.report.triangles = data.mesh.triangles.size();
   if (options.vertices_only) data.make_points();
-  DoStep how{data, options.unit};
+  ApplyStep how{data, options.unit};
   for (const ConvertStep& step : options.steps) {
     if (const auto* const about = std::get_if<AboutStep>(&step)) {
       how(*about);
       continue;
     }
     progress.begin(std::string(step_name(step)));
-    result.report.steps.push_back(do_step(data, step, how));
+    result.report.steps.push_back(apply_step(data, step, how));
   }
   if (data.nonmanifold_edges_of_weld > 0)
     result.notes.push_back(

@@ -164,7 +164,7 @@ MapPicture draw_curvature(const CurvatureResult& made, const CurvatureMapOptions
   std::optional<ColorBar> bar;
   if (options.bar) bar = curvature_bar(r.color_by, r.color_range, options.unit, r.beyond_range);
   MapPicture drawn{.image = {}, .made_with = picture};
-  leave_room(drawn.made_with, bar);
+  reserve_width(drawn.made_with, bar);
   drawn.image = beside_bar(render_mesh(to_mesh(made.points), drawn.made_with, progress), bar, drawn.made_with);
   return drawn;
 }

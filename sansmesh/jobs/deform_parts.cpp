@@ -44,10 +44,7 @@ void FoldWatch::add_note(const std::string& name, std::vector<Note>& notes) cons
                    .of = name});
 }
 
-Box3 with_room(const Box3& box, double share) {
-  const Vec3 room = Vec3{1, 1, 1} * (share * box.diagonal());
-  return {box.lower - room, box.upper + room};
-}
+Box3 with_margin(const Box3& box, double share) { return widened(box, share * box.diagonal()); }
 
 void add_corners(const Box3& box, std::vector<Vec3>& points) {
   for (int c = 0; c < 8; ++c) points.push_back(box_corner(box, c));

@@ -17,14 +17,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::array<std::uint8_t, 3> kFoldedColor{222, 30, 30}, kUsualColor{222, 214, 204};
+constexpr std::array<std::uint8_t, 3> kFoldedColor{222, 30, 30}, kDefaultColor{222, 214, 204};
 
 /// Colours vertices red where the map reverses orientation.
 void color_folded(TriangleMesh& mesh, const SpaceMap& map) {
   const std::vector<Vec3> x = world_points(mesh.origin, mesh.vertices);
   std::vector<Jacobian> jacobians(x.size());
   map.query({.points = x}, {.gradients = jacobians});
-  if (mesh.colors.empty()) mesh.colors.assign(x.size(), kUsualColor);
+  if (mesh.colors.empty()) mesh.colors.assign(x.size(), kDefaultColor);
   for (std::size_t i = 0; i < x.size(); ++i) {
     const Jacobian& j = jacobians[i];
     if (dot(j[0], cross(j[1], j[2])) <= 0) mesh.colors[i] = kFoldedColor;
@@ -33,7 +33,7 @@ void color_folded(TriangleMesh& mesh, const SpaceMap& map) {
 
 std::string number_of(std::size_t n, bool vertices) { return counted(n, vertices ? "vertex" : "point"); }
 
-void keep_moves(const MeshDeformReport& moves, DeformReport& r) {
+void report_moves(const MeshDeformReport& moves, DeformReport& r) {
   r.added = moves.added, r.fine = moves.fine, r.undefined = moves.undefined, r.turned = moves.turned;
 }
 
@@ -83,7 +83,7 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
     if (!mesh && !picture) {
       MeshDeformReport moves;
       PointSet cloud = deform_points(points, *maps.forward, &moves);
-      keep_moves(moves, r);
+      report_moves(moves, r);
       r.vertices = cloud.size();
       use(k, std::move(cloud));
       continue;
@@ -92,7 +92,7 @@ DeformResult deform(const PointSet& points, const std::string& name, const Defor
     if (options.draw_folds) color_folded(moved, *maps.forward);
     MeshDeformReport moves;
     moved = deform_mesh(std::move(moved), *maps.forward, bent, &moves);
-    keep_moves(moves, r);
+    report_moves(moves, r);
     r.vertices = moved.vertices.size(), r.triangles = moved.triangles.size();
     if (!picture) {
       use(k, std::move(moved));

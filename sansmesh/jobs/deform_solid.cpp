@@ -121,7 +121,7 @@ class SolidPoses {
   CsgMeshOptions mesh_options() const {
     CsgMeshOptions o = {
         .cell = options_.cell, .resolution = options_.resolution, .box = options_.box, .simplify = options_.simplify};
-    o.components = options_.components.value_or(solid_.usual_components());
+    o.components = options_.components.value_or(solid_.default_components());
     return o;
   }
 

@@ -80,7 +80,7 @@ class VolumePoses {
       if (const auto view = view_of_layer(samples.bounds(), look_.picture.view.up))
         look_.picture.view.direction = *view;
     look_.picture.view.steady = options_.frames.has_value();
-    if (look_.color_bar) leave_room(look_.picture, ColorBar{*look_.transfer, look_.color_title, {}});
+    if (look_.color_bar) reserve_width(look_.picture, ColorBar{*look_.transfer, look_.color_title, {}});
     framed_ = points_of_poses(deformation_, before_, options_, true);
   }
 
@@ -170,7 +170,7 @@ class VolumePoses {
   /// Returns a sampled map, since the exact deformation is too slow for every step of every ray.
   std::shared_ptr<const SpaceMap> seen_through(const DeformationMaps& maps, const Box3& box) const {
     if (options_.exact_deformation || !deformation_.has_handles()) return maps.backward;
-    const Box3 wide = with_room(box, kMapRoom);
+    const Box3 wide = with_margin(box, kMapRoom);
     const std::array<std::size_t, 3> sizes = lattice_sizes(wide, static_cast<std::size_t>(options_.map_nodes));
     if (deformation_.cuts().empty())
       return std::make_shared<const DisplacementMap>(displacement_map(*maps.backward, wide, sizes, progress_));

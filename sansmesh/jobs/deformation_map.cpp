@@ -18,7 +18,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kMapMargin = 0.1;  // share of the diagonal
-constexpr int kUsualMapNodes = 64;
+constexpr int kDefaultMapNodes = 64;
 
 }  // namespace
 
@@ -40,11 +40,11 @@ DeformationMapResult deformation_map(const Deformation& deformation, const Box3&
     throw ArgumentError("`displacement_map` needs a bounded input");
   const DeformationMaps maps = deformation.at(1);
   const Box3 box = options.box ? *options.box : with_name(name, [&] {
-    return with_room(preimage_box(*maps.backward, before, deformation.box_of(maps, before)), kMapMargin);
+    return with_margin(preimage_box(*maps.backward, before, deformation.box_of(maps, before)), kMapMargin);
   });
-  const DisplacementMap map =
-      displacement_map(*maps.backward, box,
-                       lattice_sizes(box, static_cast<std::size_t>(options.nodes.value_or(kUsualMapNodes))), progress);
+  const DisplacementMap map = displacement_map(
+      *maps.backward, box, lattice_sizes(box, static_cast<std::size_t>(options.nodes.value_or(kDefaultMapNodes))),
+      progress);
   FoldWatch folds;
   folds.look(*maps.backward, box, progress);
   DeformationMapResult result{displacement_block(map), {}, {}};

@@ -10,6 +10,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/data/world_points.h"
 #include "sansmesh/error.h"
+#include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
 #include "sansmesh/jobs/turntable.h"
@@ -27,7 +28,6 @@ namespace sansmesh::inline v1 {
 namespace {
 
 /// Least width of the picture beside the legend, pixels.
-constexpr int kLeastBesideLegend = 100;
 
 /// Colours that differ in hue, then in lightness.
 Vec3f object_color(std::size_t number) {
@@ -169,12 +169,7 @@ void draw_objects(std::vector<PictureObject> objects, const PictureOptions& o, c
   picture.look.curvature = std::move(scene.curvature);
   // Pictures of lines only do not have the colours of the legend.
   const bool listed = scene.legend.size() > 1 && o.legend && picture.look.lines != PictureLook::Lines::only;
-  const int beside = listed ? legend_width(picture.view.height, scene.legend) : 0;
-  if (beside > 0 && picture.view.width < beside + kLeastBesideLegend)
-    throw ArgumentError(
-        fmt::format("`width = {}` is too narrow: the legend takes {} of it; `legend = false` leaves it out",
-                    picture.view.width, beside));
-  picture.view.width -= beside;
+  if (listed) reserve_width(picture, legend_width(picture.view.height, scene.legend), "the legend", "legend");
   draw_turntable(picture, o.frames, use, [&](const RenderOptions& one) {
     Image image = render_surfaces(scene.surfaces, scene.framed, o.translucent(), one, progress);
     const Image paper = annotation_background(one);

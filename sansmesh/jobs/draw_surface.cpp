@@ -110,7 +110,7 @@ void paint_all(const PictureOptions& o, const SurfaceModel& model, std::optional
   std::optional<ColorBar> bar;
   const std::unique_ptr<ColorField> own = make_colors(o, model, std::move(mesh), bar, progress);
   if (!o.bar) bar.reset();
-  leave_room(look.picture, bar);
+  reserve_width(look.picture, bar);
   const ColorField* const colors = own ? own.get() : look.picture.look.use_colors ? model.colors() : nullptr;
   if (wants_curvature(look.picture))
     look.picture.look.curvature =

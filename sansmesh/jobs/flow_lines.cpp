@@ -15,7 +15,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kUsualLineSeeds = 200;
+constexpr std::size_t kDefaultLineSeeds = 200;
 
 struct CarriedArray {
   std::string name;
@@ -66,7 +66,7 @@ const OptionSchema& TraceLinesOptions::schema() {
 
 void TraceLinesOptions::validate() const { lines.validate(); }
 
-std::string usual_color(const FlowLineOptions& options) {
+std::string default_color(const FlowLineOptions& options) {
   return options.kind == FlowLineKind::path ? "speed" : "time";
 }
 
@@ -79,7 +79,7 @@ std::vector<std::string> arrays_along_lines(const FlowModel& flow, const TraceLi
 TraceLinesResult trace_lines_of(const FlowModel& flow, const TraceLinesOptions& options, Progress& progress) {
   options.validate();
   TraceLinesResult result;
-  const Seeds seeds = flow.seeds(options.seeds, kUsualLineSeeds, result.notes);
+  const Seeds seeds = flow.seeds(options.seeds, kDefaultLineSeeds, result.notes);
   FlowLineOptions lines = options.lines;
   lines.closed = seeds.closed;
   const std::vector<CarriedArray> arrays = carried_along(flow, options.carry);

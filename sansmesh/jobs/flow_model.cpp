@@ -67,7 +67,7 @@ ArrayChoice vectors_of(const VolumeModel& volume, const std::string& array) {
 }
 
 /// A quarter of the memory available to the process, in bytes.
-std::uint64_t usual_memory() {
+std::uint64_t default_memory() {
   const double pages = static_cast<double>(::sysconf(_SC_PHYS_PAGES)),
                page = static_cast<double>(::sysconf(_SC_PAGESIZE));
   double most = pages > 0 && page > 0 ? pages * page : 4.0 * kGib;
@@ -125,7 +125,7 @@ std::shared_ptr<FlowModel::State> flow_of_steps(const std::vector<std::string>& 
   flow->step_notes = reader.notes;
   FlowSeriesOptions kept;
   kept.interpolation = options.time_interpolation;
-  kept.memory = options.memory ? whole_part<std::uint64_t>(*options.memory * kGib) : usual_memory();
+  kept.memory = options.memory ? whole_part<std::uint64_t>(*options.memory * kGib) : default_memory();
   try {
     flow->field = flow_in_time(std::move(times), reader.read, kept);
   } catch (const ArgumentError& error) {
@@ -177,8 +177,8 @@ std::vector<Note> FlowModel::step_notes() const {
   return notes;
 }
 
-Seeds FlowModel::seeds(const std::string& text, std::size_t usual, std::vector<Note>& notes) const {
-  Seeds seeds = parse_seeds(text.empty() ? fmt::format("box({})", usual) : text, field().bounds());
+Seeds FlowModel::seeds(const std::string& text, std::size_t default_count, std::vector<Note>& notes) const {
+  Seeds seeds = parse_seeds(text.empty() ? fmt::format("box({})", default_count) : text, field().bounds());
   if (seeds.file.empty()) return seeds;
   if (seeds.mesh) {
     const TriangleMesh surface = read_mesh(seeds.file);

@@ -27,7 +27,6 @@ namespace {
 constexpr double kDark = 0.45;          // dark part of the range that is not used for colours
 constexpr double kScaleEnd = 0.01;      // share of the particles clipped at each end of the colour scale
 constexpr double kMostTurn = 3600;      // degrees
-constexpr int kLeastBesideBars = 100;   // least width of the picture beside the bars, pixels
 constexpr double kArrowSpacing = 0.06;  // share of the surface's diagonal
 constexpr double kArrowLength = 0.7;    // share of their distance
 constexpr Vec3f kArrowColor{0.13f, 0.12f, 0.12f};
@@ -134,11 +133,14 @@ class SurfacePictures {
     if (options.any_view)
       if (const auto view = view_of_layer(box, picture_.view.up)) picture_.view.direction = *view;
     color_surface(color);
-    leave_room();
+    result_.width = picture_.view.width, result_.height = picture_.view.height;
+    const int height = picture_.view.height;
+    reserve_width(picture_, (bar_ ? bar_->width(height) : 0) + (around_ ? around_->bar_width(height) : 0),
+                  "colour bars", "bar");
     sheet_ = std::make_unique<DrawnFlow>(std::move(subject_), picture_);
   }
 
-  void stand_beside(std::vector<SceneFactory> beside) {
+  void draw_beside(std::vector<SceneFactory> beside) {
     beside_ = std::move(beside);
     if (!options_.arrows) return;
     RenderOptions dark = picture_;
@@ -206,17 +208,6 @@ class SurfacePictures {
     if (options_.bar) bar_ = {colors, with_unit(options_.label.empty() ? by : options_.label, options_.unit)};
   }
 
-  /// Reserves the width of the bars.
-  void leave_room() {
-    result_.width = picture_.view.width, result_.height = picture_.view.height;
-    const int height = picture_.view.height;
-    const int bars = (bar_ ? bar_->width(height) : 0) + (around_ ? around_->bar_width(height) : 0);
-    if (bars > 0 && picture_.view.width < bars + kLeastBesideBars)
-      throw ArgumentError(
-          fmt::format("`width = {}` is too narrow: colour bars take {} of it", picture_.view.width, bars));
-    picture_.view.width -= bars;
-  }
-
   const FlowModel& flow_;
   const FlowPictureOptions& options_;
   RenderOptions picture_;
@@ -281,8 +272,8 @@ const OptionSchema& FlowPictureOptions::schema() {
 
 void FlowPictureOptions::validate() const {
   trace.validate();
-  static const FlowPictureOptions usual{};  // g++ 12 warns that a local one is uninitialized
-  validate_options(schema(), this, &usual);
+  static const FlowPictureOptions defaults{};  // g++ 12 warns that a local one is uninitialized
+  validate_options(schema(), this, &defaults);
   picture.validate();
   if (const auto known = transfer_function_presets();
       !preset.empty() && std::find(known.begin(), known.end(), preset) == known.end())
@@ -308,7 +299,7 @@ FlowPicturesResult flow_pictures(const FlowModel& flow, const FlowPictureOptions
   options.validate();
   check_colors(flow, options);
   SurfacePictures pictures(flow, options, progress);
-  pictures.stand_beside(std::move(beside));
+  pictures.draw_beside(std::move(beside));
   for (int k = 0; k < options.frames.value_or(1); ++k) {
     const Image image = [&] {
       try {

@@ -68,8 +68,8 @@ const OptionSchema& IsosurfaceMomentsOptions::schema() {
 void check_moments(const VolumeIsosurfaceOptions& options, const IsosurfaceMomentsOptions& moments) {
   options.validate();
   validate_options(moments);
-  const VolumeIsosurfaceOptions usual;
-  check_argument(options.carry == usual.carry && !options.mesh.closed &&
+  const VolumeIsosurfaceOptions defaults;
+  check_argument(options.carry == defaults.carry && !options.mesh.closed &&
                      options.mesh.components.kind == ComponentChoice::Kind::all,
                  "`carry`, `closed` and `components` do not apply to `unsteady`: its meshes are closed, without other "
                  "arrays");

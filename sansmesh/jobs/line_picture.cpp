@@ -12,6 +12,7 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/world_points.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/mesh/edit/tubes.h"
@@ -57,14 +58,6 @@ TransferFunction colors_for(const TriangleMesh& mesh, const std::vector<std::uin
   return transfer_function_preset(signs ? "diverging" : "flow", h);
 }
 
-/// In coordinates relative to the origin of the lines.
-Box3 box_of_lines(const PolylineSet& lines) {
-  Box3 box;
-  for (const Vec3f& p : lines.positions)
-    if (is_finite(p)) box.extend(Vec3(p));
-  return box;
-}
-
 /// Tubes; the attribute `point` is the index of each vertex's point.
 TriangleMesh tubes_around(const PolylineSet& lines, double radius) {
   PolylineSet bare;  // only the point index is needed
@@ -75,7 +68,7 @@ TriangleMesh tubes_around(const PolylineSet& lines, double radius) {
   return tubes(bare, {.radius = radius, .sides = 8, .least_step = kDrawnStep * radius});
 }
 
-RenderOptions look_for(const LinePictureOptions& options, const Box3& box) {
+RenderOptions picture_options(const LinePictureOptions& options, const Box3& box) {
   RenderOptions picture = options.picture;
   picture.look.shadows = picture.look.ground = false;
   if (!picture.look.background) picture.look.background = Background::solid({0.93f, 0.94f, 0.95f});
@@ -101,14 +94,14 @@ const OptionSchema& LinePictureOptions::schema() {
   return option_schema<rows>();
 }
 
-void LinePictureOptions::validate(const std::string& usual) const {
+void LinePictureOptions::validate(const std::string& default_color) const {
   validate_options(*this);
   picture.validate();
   ValueHistogram widest;  // no range has wider numbers
   widest.lower = -kWidestNumbers, widest.upper = kWidestNumbers;
   check_room_beside(picture,
                     {transfer_function_preset("diverging", widest),
-                     with_unit((color_by.empty() ? usual : color_by) + kMagnitude, unit)},
+                     with_unit((color_by.empty() ? default_color : color_by) + kMagnitude, unit)},
                     "colour bar");
 }
 
@@ -119,18 +112,18 @@ void LinePictureOptions::check_color(const std::vector<std::string>& arrays) con
 }
 
 double tube_radius(const PolylineSet& lines, const std::optional<double>& radius) {
-  const double chosen = radius.value_or(kTubeRadius * box_of_lines(lines).diagonal());
+  const double chosen = radius.value_or(kTubeRadius * finite_bounds({}, lines.positions).diagonal());
   if (!(chosen > 0)) throw DataError("all points of the lines coincide: there is nothing to draw");
   return chosen;
 }
 
-LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& options, const std::string& usual,
+LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& options, const std::string& default_color,
                          Progress& progress) {
   LinePicture drawn;
-  drawn.color_by = options.color_by.empty() ? usual : options.color_by;
+  drawn.color_by = options.color_by.empty() ? default_color : options.color_by;
   const Attribute* const array = lines.attributes.find(drawn.color_by);
   if (!array) options.check_color({});
-  const Box3 box = box_of_lines(lines);
+  const Box3 box = finite_bounds({}, lines.positions);
   const std::vector<double> values = sizes_of(*array);
   drawn.radius = tube_radius(lines, options.tube_radius);
 
@@ -145,12 +138,12 @@ LinePicture line_picture(const PolylineSet& lines, const LinePictureOptions& opt
   parallel_for(0, points.size(), 4096,
                [&](std::size_t v) { mesh.colors[v] = to_bytes(bar.colors.color(values[points[v]])); });
 
-  RenderOptions picture = look_for(options, box);
+  RenderOptions picture = picture_options(options, box);
   for (const std::uint32_t p : points) {
     bar.ends.below = bar.ends.below || values[p] < drawn.lower;
     bar.ends.above = bar.ends.above || values[p] > drawn.upper;
   }
-  leave_room(picture, bar);
+  reserve_width(picture, bar);
   drawn.image = beside_bar(render_mesh(mesh, picture, progress), bar, picture);
   drawn.made_with = picture;
   return drawn;

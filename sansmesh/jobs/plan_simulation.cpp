@@ -24,7 +24,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kUsualTime = 2, kUsualRate = 25;
+constexpr double kDefaultDuration = 2, kDefaultRate = 25;
 constexpr double kMostFrames = 100000, kMostSteps = 1e8;
 constexpr double kLeastSize = 1e-6, kMostSize = 1e9;  ///< range of body sizes, m
 constexpr double kFloorBelow = 0.3;  ///< distance of the default floor below the body, as a share of its height
@@ -73,7 +73,7 @@ void take_material(const TetMesh& body, SceneScript& s, std::vector<Note>& notes
 }
 
 /// Overrides the scene by options.
-void put_into_scene(const SimulateOptions& o, SceneScript& s) {
+void override_scene(const SimulateOptions& o, SceneScript& s) {
   override_by(s.model, o.model);
   override_by(s.integrator, o.integrator);
   override_by(s.step, o.longest_step), override_by(s.duration, o.duration);
@@ -119,8 +119,8 @@ void add_floor_below(SceneScript& s, const TetMesh& body, const Vec3& gravity) {
 
 /// Times of the frames.
 void plan_frames(const SimulateOptions& o, const SceneScript& s, SimulationPlan& plan) {
-  double rate = s.frames_per_second.value_or(kUsualRate);
-  double time = s.duration.value_or(kUsualTime);
+  double rate = s.frames_per_second.value_or(kDefaultRate);
+  double time = s.duration.value_or(kDefaultDuration);
   if (o.frames) {
     const double steps = *o.frames - 1;
     if (o.fps || !s.duration)
@@ -149,7 +149,7 @@ void plan_steps(SimulationPlan& plan) {
 
 /// Converts errors of values that no option set to SceneError.
 template <class Work>
-void of_scene(bool by_options, const Work& work) {
+void with_scene_errors(bool by_options, const Work& work) {
   try {
     work();
   } catch (const ArgumentError& error) {
@@ -208,7 +208,7 @@ SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOp
   std::vector<std::uint32_t>& fixed = scene.scene.fixed;
   std::sort(fixed.begin(), fixed.end());
   fixed.erase(std::unique(fixed.begin(), fixed.end()), fixed.end());
-  put_into_scene(options, scene);
+  override_scene(options, scene);
   take_material(body, scene, plan.notes);
   if (scene.stiffness && !scene.model) scene.model = SoftBodyModel::springs;
   if (options.damping) scene.damping = scene.stiffness_damping = options.damping;
@@ -219,12 +219,12 @@ SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOp
 
   TetMesh metres{body.vertices, body.tets, {}, {}};
   for (Vec3& p : metres.vertices) p *= plan.unit;
-  of_scene(options.frames || options.duration || options.fps, [&] { plan_frames(options, scene, plan); });
-  of_scene(false, [&] {
+  with_scene_errors(options.frames || options.duration || options.fps, [&] { plan_frames(options, scene, plan); });
+  with_scene_errors(false, [&] {
     plan.options = suited_options(scene, metres);
     plan.options.validate();
   });
-  of_scene(options.longest_step.has_value(), [&] { plan_steps(plan); });
+  with_scene_errors(options.longest_step.has_value(), [&] { plan_steps(plan); });
   add_floor_below(scene, body, plan.options.gravity);
   plan.scene = std::move(scene.scene);
   plan.rest = std::make_shared<const TetMesh>(std::move(body));

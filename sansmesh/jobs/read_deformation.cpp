@@ -17,8 +17,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kUsualHandles = 30;  // for registered pairs
-constexpr double kCutRoom = 0.25;          // margin around handles in which detours around mesh cuts are found
+constexpr std::size_t kDefaultHandles = 30;  // for registered pairs
+constexpr double kCutRoom = 0.25;            // margin around handles in which detours around mesh cuts are found
 
 /// "before.ply,after.ply"
 struct TwoFiles {
@@ -55,7 +55,8 @@ struct VertexNumbers {
 std::vector<Handle> pair_handles(const DeformationInput& input) {
   const PointSet before = read_points(input.handles_from[0]), after = read_points(input.handles_from[1]);
   const std::vector<std::uint32_t> vertices =
-      input.vertices.empty() ? spread_vertices_of(before, input.handle_count.value_or(kUsualHandles)) : input.vertices;
+      input.vertices.empty() ? spread_vertices_of(before, input.handle_count.value_or(kDefaultHandles))
+                             : input.vertices;
   try {
     return handles_of_pair(before, after, vertices);
   } catch (const ArgumentError& error) {
@@ -110,12 +111,12 @@ void DeformationInput::validate() const {
     throw ArgumentError("give one of `handles`, `handles_from` and `map`");
   if (!handles_from.empty() && handles_from.size() != 2)
     throw ArgumentError("`handles_from` takes two files: before.ply,after.ply");
-  const MlsDeformationOptions usual;
-  if (by.damping != usual.damping && cuts.empty()) throw ArgumentError("`cut_damping` needs `cut`");
+  const MlsDeformationOptions defaults;
+  if (by.damping != defaults.damping && cuts.empty()) throw ArgumentError("`cut_damping` needs `cut`");
   if (!map.empty() && !cuts.empty()) throw ArgumentError("`cut` needs handles: the file of a map contains its gaps");
   if (!map.empty() && !options_set(by).empty())
     throw ArgumentError(fmt::format("`{}` needs handles: not with `map`", options_set(by)[0]));
-  if (by.degree != usual.degree && by.kind != DeformationKind::nonlinear)
+  if (by.degree != defaults.degree && by.kind != DeformationKind::nonlinear)
     throw ArgumentError("`degree` needs `kind = nonlinear`");
 }
 
@@ -130,7 +131,7 @@ Deformation read_deformation(const DeformationInput& input, Progress& progress) 
     for (const Vec3& x : {h.p, h.q, h.p_end.value_or(h.p), h.q_end.value_or(h.q)}) domain.extend(x);
   std::vector<std::shared_ptr<const Occluder>> cuts;
   cuts.reserve(input.cuts.size());
-  for (const std::string& text : input.cuts) cuts.push_back(read_cut(text, with_room(domain, kCutRoom)));
+  for (const std::string& text : input.cuts) cuts.push_back(read_cut(text, with_margin(domain, kCutRoom)));
   return Deformation(std::move(handles), input.by, std::move(cuts),
                      pair ? input.handles_from[0] + "," + input.handles_from[1] : input.handles);
 }

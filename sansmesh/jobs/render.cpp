@@ -97,7 +97,7 @@ void draw_mesh(PictureObject object, const PictureOptions& o, const UsePicture& 
     TriangleMesh mesh = to_mesh(std::move(points));
     std::optional<ColorBar> bar = color_mesh(mesh, o, picture);
     if (!o.bar) bar.reset();
-    leave_room(picture, bar);
+    reserve_width(picture, bar);
     const Image image = render_mesh(mesh, picture, progress);
     use(0, beside_bar(image, bar, picture), picture);
   });

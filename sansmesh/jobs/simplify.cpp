@@ -26,7 +26,7 @@ namespace {
 
 /// First error bound if only a number of triangles is given, as a share of the diagonal; it grows from there.
 constexpr double kFirstError = 1e-5;
-constexpr double kUsualRatio = 0.5;
+constexpr double kDefaultRatio = 0.5;
 /// Share of the diagonal above which a distance is reported.
 constexpr double kFarOff = 0.01;
 /// Shape bounds, best first. A worse bound is used only if the number of triangles requires it, or if it reduces the
@@ -129,7 +129,7 @@ SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progr
   collapse.error = options.error.value_or(kFirstError * bounds(mesh).diagonal());
   if (!options.error)
     collapse.triangles = options.triangles.value_or(index_in<std::size_t>(
-        std::round(options.ratio.value_or(kUsualRatio) * static_cast<double>(original.triangles.size())), 4,
+        std::round(options.ratio.value_or(kDefaultRatio) * static_cast<double>(original.triangles.size())), 4,
         std::max<std::size_t>(4, original.triangles.size())));
   Simplified best = simplify_from(0, mesh, original, options, collapse, progress);
   const double by_shape = best.farthest();

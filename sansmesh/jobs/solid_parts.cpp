@@ -103,7 +103,7 @@ Box3 SolidModel::bounds() const { return parts_->solid.bounds(); }
 
 const std::vector<Note>& SolidModel::notes() const { return parts_->notes; }
 
-ComponentChoice SolidModel::usual_components() const {
+ComponentChoice SolidModel::default_components() const {
   return {parts_->functions.empty() ? ComponentChoice::Kind::all : ComponentChoice::Kind::automatic, 1};
 }
 

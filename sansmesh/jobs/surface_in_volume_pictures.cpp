@@ -167,7 +167,7 @@ DrawnSurfaceInVolume draw_surface_in_volume(const SurfaceInVolume& surface, cons
   const SurfaceInVolumePictures pictures(surface, volume, look, progress, drawn.notes);
   drawn.colors = pictures.colors();
   const std::optional<ColorBar> bar = bar_beside(look, drawn.colors);
-  leave_room(options.picture, bar);
+  reserve_width(options.picture, bar);
   draw_turntable(options.picture, look.frames, use, [&](const RenderOptions& one) {
     options.picture = one;
     return beside_bar(pictures.render(options, progress), bar, one);

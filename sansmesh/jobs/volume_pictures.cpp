@@ -121,7 +121,7 @@ VolumePictures::VolumePictures(const VolumeModel& volume, const VolumePicturesOp
   if (look.color_title.empty()) look.color_title = volume.array_name() + (volume.is_vector() ? " (magnitude)" : "");
   if (!options.unit.empty()) look.color_title += " [" + options.unit + "]";
   s.picture = with_name(volume.name(), [&] { return std::make_unique<VolumePicture>(std::move(subject), progress); });
-  if (look.color_bar) leave_room(look.picture, ColorBar{s.picture->transfer(look), look.color_title, {}});
+  if (look.color_bar) reserve_width(look.picture, ColorBar{s.picture->transfer(look), look.color_title, {}});
 }
 
 VolumePictures::~VolumePictures() = default;

@@ -141,7 +141,7 @@ TEST(TraceLines, OptionsSayWhichWay) {
   EXPECT_EQ(options.kind, FlowLineKind::path);
   EXPECT_EQ(options.direction, FlowDirection::backward);
   EXPECT_EQ(options.trace.step, 0.25);
-  EXPECT_EQ(usual_color(options), "speed");
+  EXPECT_EQ(default_color(options), "speed");
 }
 
 TEST(LinePicture, HasAScaleBesideTheTubes) {

@@ -35,7 +35,7 @@ struct DeformArguments {
 DeformKind check_deform(DeformArguments& a) {
   const bool vti = a.output.ends_with(".vti");
   a.options.look.picture = a.picture.chosen();
-  if (a.aim() == DeformAim::picture) a.colors.put_into(a.options.look);
+  if (a.aim() == DeformAim::picture) a.colors.apply_to(a.options.look);
   a.options.any_view = !a.picture.has_view();
   a.picture.check_frames(a.options.frames.has_value());
   a.deformation.validate();

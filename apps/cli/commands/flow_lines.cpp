@@ -38,7 +38,7 @@ void check_flow_lines(FlowLinesArguments& a) {
   }
   a.drawn.picture = a.picture.chosen();
   a.drawn.any_view = !a.picture.has_view();
-  a.drawn.validate(usual_color(a.options.lines));
+  a.drawn.validate(default_color(a.options.lines));
   check_writable(a.preview, "image");
 }
 
@@ -49,7 +49,7 @@ void run_flow_lines(FlowLinesArguments& a, Console& console) {
   a.drawn.check_color(arrays_along_lines(flow, a.options));
   const TraceLinesResult made = trace_lines_of(flow, a.options, progress);
   std::optional<LinePicture> picture;
-  if (!a.preview.empty()) picture = line_picture(made.lines, a.drawn, usual_color(a.options.lines), progress);
+  if (!a.preview.empty()) picture = line_picture(made.lines, a.drawn, default_color(a.options.lines), progress);
   progress.begin("write");
   write_lines(a.output, made.lines, {a.ascii});
   if (picture) a.picture.write(a.preview, picture->image, picture->made_with);

@@ -6,6 +6,7 @@
 
 #include "cli/line/commands.h"
 #include "cli/report/json.h"
+#include "cli/report/standard_output.h"
 #include "sansmesh/core/option_text.h"
 #include "sansmesh/dynamics/body_integrator.h"
 #include "sansmesh/flow/flow_integrator.h"

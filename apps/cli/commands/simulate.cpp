@@ -33,7 +33,7 @@ void check_simulate(const SimulateArguments& a) {
   a.files.check();
   require(a.volume_file.empty() || a.files.draws(),
           "--embedded-volume needs pictures: --output NAME.png or --animation");
-  require(!a.volume_file.empty() || (a.colors.usual() && a.volume.array.empty()),
+  require(!a.volume_file.empty() || (a.colors.is_default() && a.volume.array.empty()),
           "--array, --preset, --transfer, --opacity-factor and --iso belong to --embedded-volume");
   a.options.validate();
   a.picture.chosen().validate();
@@ -50,7 +50,7 @@ std::optional<MotionPictures> open_pictures(SimulateArguments& a, const Simulati
     std::vector<Note> notes;
     carried = carried_volume(a.volume.open(console), console.progress(), notes);
     console.note(a.volume_file, notes);
-    a.colors.put_into(carried->look);
+    a.colors.apply_to(carried->look);
     if (a.surface.empty()) surface.reset();
   }
   MotionPictures pictures(plan, std::move(surface), std::move(carried), a.picture.chosen());
@@ -62,7 +62,7 @@ void run_simulate(SimulateArguments& a, Console& console) {
   check_simulate(a);
   const SimulationBody body = read_body(a.tets);
   console.warn(a.tets, body.notes());
-  a.options.z_up = a.picture.place.z_up;
+  a.options.z_up = a.picture.view.z_up;
   const SimulationPlan plan = plan_simulation(body, read_scene(a.forces, a.fixed, body, a.options.z_up), a.options);
   console.note(a.tets, plan.notes);
   const CarriedSurface surface = read_carried(a.surface, plan);

@@ -34,7 +34,7 @@ struct VolumeRenderArguments {
 VolumePicturesOptions VolumeRenderArguments::chosen() const {
   VolumePicturesOptions o = options;
   o.look.picture = picture.chosen();
-  colors.put_into(o.look);
+  colors.apply_to(o.look);
   o.any_view = !picture.has_view();
   o.validate();
   return o;

@@ -59,7 +59,7 @@ NamedIsosurface open_isosurface(const IsosurfaceName& name, Console& console) {
   return named;
 }
 
-void VolumeColors::put_into(VolumePictureOptions& options) const {
+void VolumeColors::apply_to(VolumePictureOptions& options) const {
   options.preset = look.preset;
   options.opacity_factor = look.opacity_factor;
   options.isos = look.isos;

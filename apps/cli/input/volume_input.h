@@ -70,9 +70,9 @@ struct VolumeColors {
   std::string transfer;       ///< file name
 
   /// Whether none of the options was given.
-  bool usual() const { return transfer.empty() && options_set(look).empty(); }
+  bool is_default() const { return transfer.empty() && options_set(look).empty(); }
   /// Reads the file of the transfer function. Throws FileError and ArgumentError.
-  void put_into(VolumePictureOptions& options) const;
+  void apply_to(VolumePictureOptions& options) const;
   void add_options(CommandLine& command, const char* group);
 };
 

@@ -15,17 +15,17 @@ namespace sansmesh::cli {
 /// Picture options shared by all commands that draw.
 struct PictureArguments {
   RenderOptions options;
-  ViewOptions place;
+  ViewOptions view;
 
-  bool has_view() const { return place.has_direction(); }
+  bool has_view() const { return view.has_direction(); }
   /// Whether any option was given that only applies to pictures.
-  bool any() const { return !options_set(options).empty() || !options_set(place).empty(); }
+  bool any() const { return !options_set(options).empty() || !options_set(view).empty(); }
   /// Throws ArgumentError for an impossible part of the picture.
-  RenderOptions chosen() const { return place.applied_to(options); }
+  RenderOptions chosen() const { return view.applied_to(options); }
   /// Throws ArgumentError if frames would differ in size.
-  void check_frames(bool several) const { place.check_frames(several); }
+  void check_frames(bool several) const { view.check_frames(several); }
   /// The requested part of a picture made with these options. Throws ArgumentError if it is outside the picture.
-  Image part(const Image& image, const RenderOptions& made_with) const { return place.part_of(image, made_with); }
+  Image part(const Image& image, const RenderOptions& made_with) const { return view.part_of(image, made_with); }
   /// Writes that part and returns it. Also throws FileError.
   Image write(const std::string& file, const Image& image, const RenderOptions& made_with) const;
 };

@@ -1,5 +1,5 @@
-<#include "cli/report/file_reports.h"
-=
+#include "cli/report/file_reports.h"
+
 #include <fmt/core.h>
 
 #include <optional>
