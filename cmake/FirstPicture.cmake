@@ -6,11 +6,13 @@ set(SANSMESH_FIRST
     "^approximation/(orthogonal|polynomial)"
     "^io/([a-z_]+|points/.*|meshes/.*)\\.cpp"
     "^mesh/([a-z_]+|edit/(clip|collapse|edge_collapses|simplify|tubes).*|repair/components)\\.cpp"
-    "^polygonize/(lattice|polygonize|surface_chain|vertex_placement|walk_surface)"
+    "^polygonize/(extraction|lattice|polygonize|surface_chain|vertex_placement|walk_surface)"
     "^surface/(bilateral|candidates|curvature|sample_|surface_samples|vertex_curvature)"
     "^function/(fit_options|fitted_function|function_cut|function_domain|function_file|mesh_function|surface_function)"
-    "^jobs/(color_bar|draw_|fit_words|frame_names|line_picture|normals|picture_(checks|curvature|options|report)|reconstruct|render|splat_points)")
-set(SANSMESH_LATER "^meshing/mesh_csg" "^model/methods/(implicit|projection|mpu)" "^partition/paper_" "^render/(scene/flow_texture|splat/splat_scene)")
+    "^jobs/(color_bar|draw_|fit_words|frame_names|line_picture|normals|picture_(checks|curvature|options|report)|reconstruct|render|splat_points)"
+    "^io/grids/(nek|plot3d)_read"  # told apart from points by name or content
+    "^(volume/volume_method|flow/flow_integrator|dynamics/body_integrator)\\.cpp")  # registries that `sansmesh schema` lists
+set(SANSMESH_LATER "^meshing/mesh_csg" "^model/methods/(implicit|projection|mpu)" "^render/(scene/flow_texture|splat/splat_scene)")
 
 # Whether the first picture needs a source: sets RESULT.
 function(sansmesh_needed_first source result)
