@@ -30,7 +30,7 @@ class RingField : public test::FormulaField {
   double end_;
 };
 
-TEST(PrincipalBend, DiagonalisesTheForm) {
+TEST(PrincipalCurvatures, DiagonalisesTheForm) {
   const Vec3f a{1, 0, 0}, b{0, 1, 0};
   for (const float angle : {0.0f, 0.4f, 1.3f, 2.8f}) {
     const float c = std::cos(angle), s = std::sin(angle);
