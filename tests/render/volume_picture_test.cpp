@@ -12,10 +12,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/render/surface/picture_surfaces.h"
 #include "sansmesh/render/volume/baked_volume.h"
-#include "sansmesh/render/volume/transfer_table.h"
 #include "sansmesh/render/volume/volume_tracer.h"
-#include "sansmesh/sampled_volume.h"
-#include "sansmesh/volume/grid/volume_boundary.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 
