@@ -187,7 +187,7 @@ struct SANSMESH_API CloudOrMesh {
 
 /// Steps of a conversion.
 struct SANSMESH_API ConvertOptions {
-  bool vertices_only = false;           ///< of a mesh, use the vertices only
+  bool vertices_only = false;           ///< uses only the vertices of a mesh
   std::string unit = {};                ///< unit of the input's lengths, for UnitStep
   std::vector<ConvertStep> steps = {};  ///< steps in order
 

@@ -53,7 +53,7 @@ struct SANSMESH_API FlowPictureOptions {
 
 /// Result of flow_pictures().
 struct SANSMESH_API FlowPicturesResult {
-  FlowSurfaceReport surface;  ///< of the surface itself
+  FlowSurfaceReport surface;  ///< report of the surface
   int width = 0, height = 0;  ///< size of each picture
   std::vector<Note> notes;    ///< those of trace_surface; "reconstruction"
 

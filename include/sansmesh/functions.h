@@ -129,7 +129,7 @@ struct SANSMESH_API EditedFunction {
   SurfaceFunction function;       ///< function after all edits
   std::vector<EditReport> steps;  ///< report of each edit
   TriangleMesh mesh = {};         ///< mesh of the function; empty unless requested
-  MeshUpdate update = {};         ///< what is new in the mesh; empty if there was no previous mesh
+  MeshUpdate update = {};         ///< changes of the mesh; empty if there was no previous mesh
 
   static const ReportSchema& schema();  ///< report rows
 };
@@ -181,7 +181,7 @@ struct SANSMESH_API FunctionInfo {
   std::size_t samples = 0;           ///< samples that were kept
   bool colors = false;               ///< the samples have colours
   Box3 cube;                         ///< domain of the function: the cube of the octree
-  double spacing = 0;                ///< of the samples: edge of the square that one sample represents (length)
+  double spacing = 0;                ///< sample spacing: edge of the square that one sample represents (length)
   double deviation = 0;              ///< distance of the samples from the surface, root mean square (length)
   double accuracy = 0;               ///< estimated error of the surface, root mean square (length)
   std::vector<std::string> history;  ///< edits applied so far, one line each

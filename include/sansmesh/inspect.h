@@ -155,8 +155,8 @@ struct SANSMESH_API AssessOptions {
 /// Measures of a mesh alone and against a reference.
 struct SANSMESH_API AssessReport {
   std::size_t vertices = 0;                 ///< vertices or points
-  std::optional<MeshTopology> topology;     ///< of a mesh, sewn along coincident borders
-  std::optional<MeshQuality> quality;       ///< of a mesh
+  std::optional<MeshTopology> topology;     ///< topology of a mesh, sewn along coincident borders
+  std::optional<MeshQuality> quality;       ///< quality of a mesh
   std::optional<SurfaceDistance> distance;  ///< with a reference: distances between both
   std::optional<MeshCoverage> coverage;     ///< with a reference that is a cloud or a meshed scan
 
@@ -180,7 +180,7 @@ SANSMESH_API AssessResult assess(const TriangleMesh& mesh, PointSet reference, c
 
 /// Measures of a solid.
 struct MeasureResult {
-  SolidMeasures measures;  ///< of the whole and of its components
+  SolidMeasures measures;  ///< measures of the whole and of its components
   /// "open": no volume; "encloses_nothing": its sides cancel out; "faces_inward": the volume is negative; "cavities";
   /// "inside_out": parts that face inward but bound no cavity; "nested", "crossing_components", "crosses_itself":
   /// volume that counts more than once; "nonmanifold": edges with more than two triangles; "bad_corners": triangles

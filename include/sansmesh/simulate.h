@@ -201,7 +201,7 @@ SANSMESH_API SimulateResult simulate(const SimulationPlan& plan, const KeptMotio
 
 /// Volume rendered in the deforming tetrahedra.
 struct CarriedVolume {
-  std::shared_ptr<const VolumeField> field = {};  ///< of one component
+  std::shared_ptr<const VolumeField> field = {};  ///< field with one component
   bool image = false;                             ///< the samples form a lattice
   VolumePictureOptions look =
       {};  ///< only the part specific to volumes; the rest comes from the options of all pictures

@@ -23,7 +23,7 @@ struct SurfaceInVolume;
 
 /// Options of pictures of an open volume.
 struct SANSMESH_API VolumePicturesOptions {
-  VolumePictureOptions look = {};  ///< of the volume
+  VolumePictureOptions look = {};  ///< look of the volume
   std::string opacity_by = {};     ///< array of the opacities; the volume's own array has the colours
   bool grid = false;               ///< also draws cell edges on the boundary of the volume
   bool baked = false;              ///< quick: one ray per pixel, long steps, through a field baked into bricks
@@ -121,7 +121,7 @@ class SANSMESH_API SurfaceInVolumePictures {
 /// Report of pictures of a surface in a volume.
 struct DrawnSurfaceInVolume {
   std::optional<ShownColors> colors;  ///< empty without `color_by`
-  CastCounts rays;                    ///< of all pictures
+  CastCounts rays;                    ///< rays of all pictures
   std::vector<Note> notes;            ///< those of VolumeModel::field
 };
 

@@ -170,7 +170,7 @@ SANSMESH_API VolumeSeries open_volume_series(const std::vector<std::string>& fil
 
 /// Report of probe_volume().
 struct SANSMESH_API ProbeReport {
-  ReconstructionReport reconstruction;  ///< of the field
+  ReconstructionReport reconstruction;  ///< report of the field
   std::size_t inside = 0;               ///< points in the volume
 
   static const ReportSchema& schema();  ///< report rows
@@ -214,7 +214,7 @@ SANSMESH_API std::string probe_table(const ProbeResult& probed);
 
 /// Report of resample().
 struct SANSMESH_API ResampleReport {
-  ReconstructionReport reconstruction;  ///< of the field
+  ReconstructionReport reconstruction;  ///< report of the field
   std::array<std::size_t, 3> size{};    ///< values along the axes
   double inside = 0;                    ///< share of the values inside the volume
 
@@ -247,7 +247,7 @@ struct SANSMESH_API FitVolumeOptions {
 
 /// Report of fit_volume().
 struct SANSMESH_API FitVolumeReport {
-  ReconstructionReport reconstruction;  ///< of the field
+  ReconstructionReport reconstruction;  ///< report of the field
   std::size_t samples = 0;              ///< samples of the volume
   std::vector<std::string> arrays;      ///< arrays that are kept
   std::vector<std::size_t> by_degree;   ///< polynomials of degree 0, 1, …; empty for methods without coefficients

@@ -37,15 +37,15 @@ TEST_F(DiagnoseCommand, FindsStraysAndItsScriptMendsThem) {
   EXPECT_EQ(json["edits"], json["places"].size());
   EXPECT_EQ(slurp(path("places.png")).substr(1, 3), "PNG");
 
-  const Outcome edited = run({"edit", "scan.smf", "--script", "edits.json", "-o", "mended.smf"});
+  const Outcome edited = run({"edit", "scan.smf", "--script", "edits.json", "-o", "repaired.smf"});
   ASSERT_EQ(edited.code, 0) << edited.err;
-  const Outcome after = run({"diagnose", "mended.smf"});
+  const Outcome after = run({"diagnose", "repaired.smf"});
   ASSERT_EQ(after.code, 0) << after.err;
   EXPECT_NE(after.out.find("extra sheet     nowhere"), std::string::npos) << after.out;
-  const Outcome info = run({"info", "mended.smf"});
+  const Outcome info = run({"info", "repaired.smf"});
   ASSERT_EQ(info.code, 0) << info.err;
   EXPECT_NE(info.out.find("removed"), std::string::npos) << "info tells what was done to the function";
-  EXPECT_EQ(Json::parse(run({"info", "mended.smf", "--json"}).out)["samples"], 5060);
+  EXPECT_EQ(Json::parse(run({"info", "repaired.smf", "--json"}).out)["samples"], 5060);
 }
 
 TEST_F(DiagnoseCommand, ListsEveryPlaceOrSaysHowManyMore) {

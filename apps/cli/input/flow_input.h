@@ -12,7 +12,7 @@ namespace sansmesh::cli {
 
 /// Report of a flow that was read.
 struct ReadFlow : ReadFiles {
-  std::optional<VolumeUse> volume;  ///< of a steady flow
+  std::optional<VolumeUse> volume;  ///< volume of a steady flow
   std::string vectors;
 
   static const ReportSchema& schema();

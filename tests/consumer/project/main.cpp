@@ -51,7 +51,7 @@ int main() {
     const sansmesh::ProbeResult probed = sansmesh::probe_volume(volume, places, progress);
     expect(std::abs(probed.values.at(0) - 1.5) < 0.05, "the height is another");
     expect(probed.report.reconstruction.options.method && !probed.report.reconstruction.why.empty(),
-           "nobody says which method was chosen, and why");
+           "the chosen method and its reason are missing");
 
     const sansmesh::FlowModel flow = sansmesh::open_flow({"rotation"}, {}, {}, progress);
     const auto traced = sansmesh::trace_lines_of(flow, {.seeds = "point(0.5,0,0)", .lines = {.duration = 1}}, progress);
