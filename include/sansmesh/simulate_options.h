@@ -144,8 +144,8 @@ struct SceneScript {
   std::optional<double> step, duration, frames_per_second;                ///< s, s, 1/s
   std::optional<double> unit;                                             ///< length of the file's unit in metres
   std::optional<bool> z_up;                                               ///< the z axis points up
-  std::optional<double> stiffness, damping;                               ///< of springs
-  std::optional<double> young, poisson, mass_damping, stiffness_damping;  ///< of the corotational model
+  std::optional<double> stiffness, damping;                               ///< spring constants
+  std::optional<double> young, poisson, mass_damping, stiffness_damping;  ///< constants of the corotational model
   std::optional<double> density, mass, tolerance;                         ///< as in SoftBodyOptions
   std::optional<int> iterations, halvings;                                ///< as in SoftBodyOptions
   std::optional<Vec3> gravity;                                            ///< m/s²

@@ -140,7 +140,7 @@ double CreaseZone::collapse_gain(std::uint32_t h) const {
   return possible ? gain : kNever;
 }
 
-bool CreaseZone::mend(std::uint32_t t) {
+bool CreaseZone::repair(std::uint32_t t) {
   enum class Kind { kNothing, kFlip, kCollapse, kRename };
   Kind kind = Kind::kNothing;
   std::uint32_t chosen = 0;
@@ -273,7 +273,7 @@ void CreaseZone::improve() {
       bool any = false;
       for (std::uint32_t t = 0; t < surface.triangles(); ++t)
         if (std::exchange(look_[t], std::uint8_t{0}) && surface.alive(t) && penalty(surface[t], piece[t]) > 0)
-          any = mend(t) || any;
+          any = repair(t) || any;
       if (!any) break;
     }
     relax();

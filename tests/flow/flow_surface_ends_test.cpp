@@ -1,4 +1,4 @@
-// Where surfaces end, and what is refused.
+// Ends of flow surfaces, and rejected input.
 #include <gtest/gtest.h>
 
 #include <algorithm>
