@@ -36,10 +36,10 @@ class SANSMESH_API FileError : public Error {
 
 /// Option with an invalid value.
 struct ArgumentFault {
-  std::string field;    ///< name of the option
-  std::string value;    ///< given value, as text
-  std::string allowed;  ///< allowed values: "from 1 to 10", "one of compact, gaussian"
-  std::string remedy;   ///< remedy; empty if `allowed` states it
+  std::string field;        ///< name of the option
+  std::string value;        ///< given value, as text
+  std::string allowed;      ///< allowed values: "from 1 to 10", "one of compact, gaussian"
+  std::string remedy = {};  ///< remedy; empty if `allowed` states it
 };
 
 /// An argument or option out of range. Messages name options by their fields, between grave accents: `enhance = false`.

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "sansmesh/vec.h"
+
 namespace sansmesh::inline v1 {
 
 /// Pixel map: rows from top to bottom, pixels from left to right.
@@ -45,6 +47,11 @@ using DepthMap = PixelMap<float>;
 inline std::uint8_t to_byte(float value, float threshold = 0.5f) {
   if (!(value > 0)) return 0;
   return static_cast<std::uint8_t>(255 * std::min(value, 1.0f) + 1 - threshold);
+}
+
+/// A colour of 0..1 as bytes.
+inline std::array<std::uint8_t, 3> to_bytes(const Vec3f& color) {
+  return {to_byte(color.x), to_byte(color.y), to_byte(color.z)};
 }
 
 /// Value of a level, the inverse of to_byte.

@@ -16,7 +16,7 @@ struct Note {
 
   std::string code;                       ///< stable identifier of the subject for programs, in lower case: "moved_far"
   std::string text;                       ///< one line, without its full stop
-  std::string remedy;                     ///< suggested remedy; empty if none is known
+  std::string remedy = {};                ///< suggested remedy; empty if none is known
   Severity severity = Severity::warning;  ///< warning if the result may not be as intended
   std::string of = {};                    ///< name of the input, if the job has several
 };
@@ -30,8 +30,7 @@ inline std::string note_line(const Note& note) {
 /// report sentences only.
 inline void add_notes(std::vector<Note>& notes, std::string_view code, const std::vector<std::string>& lines,
                       const std::string& of = {}) {
-  for (const std::string& line : lines)
-    notes.push_back({.code = std::string(code), .text = line, .remedy = {}, .of = of});
+  for (const std::string& line : lines) notes.push_back({.code = std::string(code), .text = line, .of = of});
 }
 
 }  // namespace sansmesh::inline v1

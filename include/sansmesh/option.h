@@ -96,6 +96,13 @@ struct OptionSchema {
   std::span<const OptionRow> rows;  ///< in display order; they live as long as the program
 };
 
+/// Schema of rows with static storage: `static constexpr OptionRow rows[] = {…}; return option_schema<rows>();`.
+template <const auto& rows>
+const OptionSchema& option_schema() {
+  static constexpr OptionSchema schema{rows};
+  return schema;
+}
+
 namespace schema_detail {
 
 template <class T>

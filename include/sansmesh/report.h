@@ -62,6 +62,13 @@ struct ReportSchema {
   std::span<const ReportRow> rows;  ///< in display order; they live as long as the program
 };
 
+/// Schema of rows with static storage: `static constexpr ReportRow rows[] = {…}; return report_schema<rows>();`.
+template <const auto& rows>
+const ReportSchema& report_schema() {
+  static constexpr ReportSchema schema{rows};
+  return schema;
+}
+
 /// Called for a part of a report: a struct with a schema.
 using UsePart = std::function<void(const void* part)>;
 
@@ -102,7 +109,7 @@ struct OwnerOf<T (Lambda::*)(const Owner&) const> {
 template <auto getter>
 using Owner = typename OwnerOf<decltype(getter)>::type;
 template <auto getter>
-using Told = std::remove_cvref_t<std::invoke_result_t<decltype(getter), const Owner<getter>&>>;
+using ResultOf = std::remove_cvref_t<std::invoke_result_t<decltype(getter), const Owner<getter>&>>;
 
 /// Calls a getter. For functions it calls a new object of the same type: clang mangles template arguments of unnamed
 /// types alike in all sources.
@@ -246,22 +253,22 @@ void use_parts(const T& v, const UsePart& use) {
 /// must belong to the struct itself, not to a base (see reported_base).
 template <auto getter, class Owner = report_detail::Owner<getter>>
 constexpr ReportRow reported(const ReportFacts& facts) {
-  using Told = report_detail::Told<getter>;
+  using Value = report_detail::ResultOf<getter>;
   ReportRow row;
   static_cast<ReportFacts&>(row) = facts;
   if constexpr (std::is_member_pointer_v<decltype(getter)>)
     if (row.name.empty()) row.name = schema_detail::field_name_of<getter>();
-  row.kind = report_detail::kind_of<Told>();
-  row.optional = schema_detail::IsOptional<Told>::value;
-  if constexpr (report_detail::kind_of<Told>() == ReportKind::report ||
-                report_detail::kind_of<Told>() == ReportKind::reports) {
-    row.part = &report_detail::PartOf<Told>::type::schema;
+  row.kind = report_detail::kind_of<Value>();
+  row.optional = schema_detail::IsOptional<Value>::value;
+  if constexpr (report_detail::kind_of<Value>() == ReportKind::report ||
+                report_detail::kind_of<Value>() == ReportKind::reports) {
+    row.part = &report_detail::PartOf<Value>::type::schema;
     row.each = [](const void* report, const UsePart& use) {
-      report_detail::use_parts<Told>(report_detail::got<getter>(*static_cast<const Owner*>(report)), use);
+      report_detail::use_parts<Value>(report_detail::got<getter>(*static_cast<const Owner*>(report)), use);
     };
   } else {
     row.get = [](const void* report) {
-      return report_detail::value_of<Told>(report_detail::got<getter>(*static_cast<const Owner*>(report)));
+      return report_detail::value_of<Value>(report_detail::got<getter>(*static_cast<const Owner*>(report)));
     };
   }
   return row;
@@ -290,7 +297,7 @@ constexpr ReportRow reported_base() {
 
 /// Value that is reported only under a condition.
 template <class T>
-std::optional<T> told_if(bool holds, T value) {
+std::optional<T> value_if(bool holds, T value) {
   return holds ? std::optional<T>(std::move(value)) : std::nullopt;
 }
 

@@ -20,6 +20,12 @@ bool touch(const BoxT<T>& a, const BoxT<T>& b) {
   return true;
 }
 
+/// Corner c (0 to 7): bits 0, 1 and 2 select the upper end along x, y and z.
+template <class T>
+VecT<T> box_corner(const BoxT<T>& box, int c) {
+  return {c & 1 ? box.upper.x : box.lower.x, c & 2 ? box.upper.y : box.lower.y, c & 4 ? box.upper.z : box.lower.z};
+}
+
 template <class T>
 BoxT<T> widened(const BoxT<T>& box, T by) {
   const VecT<T> d{by, by, by};

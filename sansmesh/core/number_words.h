@@ -13,14 +13,14 @@ namespace sansmesh::inline v1 {
 /// 1234567 → "1,234,567".
 std::string grouped(std::uint64_t n);
 
-/// "1 component", "3 components", "1,234 components".
+/// "1 vertex", "3 vertices", "1,234 components".
 std::string counted(std::uint64_t n, std::string_view noun);
 
 /// Formats a length with four significant digits: "0.01234".
 std::string length_words(double length);
 
-/// Formats a point with six digits: "(1, 2, 3)".
-std::string place_words(const Vec3& place);
+/// Formats a point: "(1, 2, 3)".
+std::string point_words(const Vec3& point, int digits = 6);
 /// Formats edge lengths: "1.5 × 2 × 0.25".
 std::string size_words(const Vec3& size);
 /// "area 1.5, volume 2".

@@ -15,7 +15,14 @@ namespace {
 /// Bounding box of a lattice, or of all finite points.
 Box3 box_of(const GridBlock& block) {
   Box3 box = finite_bounds(block.points);
-  if (block.kind != GridKind::lattice) return box;
+  if (block.kind == GridKind::lattice) box.extend(lattice_box(block));
+  return box;
+}
+
+}  // namespace
+
+Box3 lattice_box(const GridBlock& block) {
+  Box3 box;
   for (std::size_t corner = 0; corner < 8; ++corner) {
     Vec3 p = block.origin;
     for (std::size_t k = 0; k < 3; ++k)
@@ -25,8 +32,6 @@ Box3 box_of(const GridBlock& block) {
   }
   return box;
 }
-
-}  // namespace
 
 std::string out_of_limits(const GridData& data) {
   Box3 box;

@@ -1,4 +1,4 @@
-// Corner tests, area vectors and edge keys of indexed triangles.
+// Corner tests and area vectors of indexed triangles.
 #pragma once
 
 #include <algorithm>
@@ -24,11 +24,6 @@ inline Vec3 doubled_area(std::span<const Vec3f> vertices, const Triangle& t) {
   if (std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return v >= vertices.size(); })) return {};
   const Vec3 a(vertices[t[0]]), area = cross(Vec3(vertices[t[1]]) - a, Vec3(vertices[t[2]]) - a);
   return is_finite(area) ? area : Vec3{};
-}
-
-/// Key of an undirected edge: its lower end in the upper half, so that keys are ordered by both ends.
-constexpr std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) {
-  return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b);
 }
 
 }  // namespace sansmesh::inline v1

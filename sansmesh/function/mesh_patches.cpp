@@ -1,4 +1,5 @@
 #include "sansmesh/function/mesh_patches.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <algorithm>
 #include <array>
@@ -14,11 +15,11 @@ namespace sansmesh::inline v1 {
 namespace {
 
 struct MeshEdge {
-  std::uint64_t ends;       ///< both vertices, the smaller one first
+  std::uint64_t ends;       ///< both vertices, the smaller index first
   std::uint32_t half_edge;  ///< 3 · triangle + k
 };
 
-/// Numbers the roots of some sets in the order in which they come; the others keep kSmooth.
+/// Numbers the roots of some sets in their order; the others keep kSmooth.
 std::uint32_t number_sets(UnionFind& sets, std::vector<std::uint32_t>& of) {
   std::vector<std::uint32_t> number(of.size(), MeshPatches::kSmooth);
   std::uint32_t count = 0;
@@ -64,7 +65,7 @@ MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double l
     return true;
   };
   UnionFind faces(n);
-  std::vector<std::uint32_t> creases;  // half-edges, one of each crease
+  std::vector<std::uint32_t> creases;  // one half-edge of each crease
   curve.assign(3 * n, kSmooth);
   across.assign(3 * n, kSmooth);
   for (std::size_t i = 0, j; i < all.size(); i = j) {
@@ -82,7 +83,7 @@ MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double l
       if (triangles[t][h % 3] == triangles[u][g % 3]) {
         ++edges.tangled;
       } else if (normal[t] == Vec3{} || normal[u] == Vec3{}) {
-        // Without area: it goes with what is behind its longest edge.
+        // Without area: it belongs to the triangle behind its longest edge.
         smooth = longest(normal[t] == Vec3{} ? h : g);
       } else {
         smooth = dot(normal[t], normal[u]) >= cosine;
@@ -94,8 +95,7 @@ MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double l
     for (std::size_t k = i; k < j; ++k) curve[all[k].half_edge] = static_cast<std::uint32_t>(creases.size());
     creases.push_back(all[i].half_edge);
   }
-  // Creases that meet in twos are one curve; short ones that end nowhere are none, and what is left then is looked at
-  // again.
+  // Creases that meet in pairs are one curve. Short curves with free ends are removed, and the rest is processed again.
   place.assign(mesh.vertices.size(), kSmooth);
   std::vector<std::uint8_t> count;
   std::vector<std::uint32_t> first, chain(creases.size(), 0);

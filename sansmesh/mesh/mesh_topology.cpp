@@ -152,7 +152,7 @@ constexpr ReportRow kMeshTopologyRows[] = {
     reported<&MeshTopology::encloses>({.name = "closed", .text = "Whether the triangles enclose a volume"}),
     reported<&MeshTopology::manifold>({.text = "Whether the mesh is manifold"}),
     reported<[](const MeshTopology& r) {
-      return told_if(r.edges > r.boundary_edges + r.nonmanifold_edges, r.oriented());
+      return value_if(r.edges > r.boundary_edges + r.nonmanifold_edges, r.oriented());
     }>({.name = "oriented",
         .text = "Whether neighbouring faces are consistently oriented; absent if no two share an edge"}),
     reported<&MeshTopology::boundary_edges>({.text = "Edges of one triangle"}),

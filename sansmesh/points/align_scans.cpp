@@ -29,7 +29,7 @@ constexpr double kMorePerNoise = 110;
 constexpr double kWidestReach = 8, kNarrowestReach = 0.5, kNoiseReach = 6;
 /// Offset of the neighbours' centroid relative to their radius (0.42 at a straight border) beyond which the scan ends.
 constexpr double kMostAside = 0.33;
-constexpr double kLeastCosine = 0.5;
+constexpr double kLeastNormalCosine = 0.5;
 /// Motions that change the distances by less than this share are poorly determined: they are damped.
 constexpr double kDamping = 1e-4;
 /// Samples per scan that suffice until steps are as small as this factor of the last one.
@@ -200,7 +200,7 @@ std::vector<Comparison> compare(const PointSet& points, const std::vector<Scan>&
           const auto there = surface_at(points, scans[t], q, std::hypot(reach, aside), false, scratch);
           if (!there || std::abs(there->height) > reach) continue;
           const Vec3 normal = motions[t].turn(there->normal);
-          if (dot(normal, n) < kLeastCosine) continue;
+          if (dot(normal, n) < kLeastNormalCosine) continue;
           parts[c].push_back({static_cast<std::uint32_t>(s), static_cast<std::uint32_t>(t), there->height, p, normal});
         }
       }

@@ -92,7 +92,9 @@ namespace {
 bool has_normals(const GivenNormals& given) { return given.report.check != OrientationCheck::missing; }
 
 /// Absent without normals.
-std::optional<double> of_normals(const GivenNormals& given, double share) { return told_if(has_normals(given), share); }
+std::optional<double> of_normals(const GivenNormals& given, double share) {
+  return value_if(has_normals(given), share);
+}
 
 constexpr ReportRow kGivenNormalsRows[] = {
     reported<&GivenNormals::oriented>({.text = "Whether the signs are consistent"}),
@@ -110,14 +112,14 @@ constexpr ReportRow kGivenNormalsRows[] = {
         {.name = "inward", .text = "Share of the samples in closed parts whose normals point inward", .unit = "share"}),
     reported<[](const GivenNormals& r) { return of_normals(r, r.report.open); }>(
         {.name = "open", .text = "Share of the samples in parts without an outside", .unit = "share"}),
-    reported<[](const GivenNormals& r) { return told_if(has_normals(r), r.oriented_by || r.report.certain()); }>(
+    reported<[](const GivenNormals& r) { return value_if(has_normals(r), r.oriented_by || r.report.certain()); }>(
         {.name = "certain", .text = "Whether the orientation is certain"}),
     reported<[](const GivenNormals& r) { return of_normals(r, r.report.doubt); }>(
         {.name = "doubt",
          .text = "Share of the samples whose winding number contradicts the normals",
          .unit = "share"}),
     reported<&GivenNormals::oriented_by>({.text = "Sensor that the normals face", .choices = kOrientByWords}),
-    reported<[](const GivenNormals& r) { return told_if(r.oriented_by.has_value(), r.looking_away); }>(
+    reported<[](const GivenNormals& r) { return value_if(r.oriented_by.has_value(), r.looking_away); }>(
         {.name = "looking_away", .text = "Share of the normals facing away from the sensor", .unit = "share"})};
 
 }  // namespace

@@ -23,11 +23,14 @@ class Registry {
       for (const Entry& entry : some) add(entry);
   }
 
-  /// Throws ArgumentError if the name is taken or empty.
+  /// Throws ArgumentError for a missing or taken name, and for an entry whose function `make` is null.
   void add(Entry entry) {
     const std::lock_guard lock(mutex_);
     if (entry.name.empty()) throw ArgumentError("a " + kind_ + " needs a name");
     if (found(entry.name)) throw ArgumentError("a " + kind_ + " named " + std::string(entry.name) + " already exists");
+    if constexpr (requires { entry.make == nullptr; })
+      if (entry.make == nullptr)
+        throw ArgumentError("the " + kind_ + " " + std::string(entry.name) + " lacks a function that makes it");
     entries_.push_back(std::move(entry));
   }
 

@@ -8,8 +8,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kMixed = 24;  // samples around a place
-constexpr float kOnSheet = 0.3f;    // cosine between normals of one sheet, at least
+constexpr std::size_t kMixed = 24;  // number of samples around a point
+constexpr float kOnSheet = 0.3f;    // least cosine between normals of one sheet
 
 }  // namespace
 
@@ -49,7 +49,7 @@ void SampleCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> n
       bends[i] = {};
       const std::size_t n = tree_.nearest(Vec3f(frame_.from_input(x[i])), near);
       if (n == 0) continue;
-      // The side that the samples' normals call out need not be the one that is looked at.
+      // The outward side of the samples' normals may differ from the visible side.
       float side = 0;
       for (std::size_t j = 0; j < n && side == 0; ++j) {
         const float along = dot(normals_[near[j].index], normals[i]);

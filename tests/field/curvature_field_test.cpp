@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "sansmesh/error.h"
+#include "support/formula_field.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -14,17 +15,11 @@ namespace {
 constexpr double kRing = 1, kTube = 0.35;
 
 /// Signed distance to a torus around z, defined where x < `end`.
-class RingField : public ScalarField {
+class RingField : public test::FormulaField {
  public:
-  explicit RingField(double end = 10) : end_(end) {}
-  Box3 bounds() const override { return {{-2, -2, -2}, {2, 2, 2}}; }
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
-    for (std::size_t i = 0; i < x.size(); ++i) {
-      const double ring = std::hypot(x[i].x, x[i].y), out = ring - kRing, d = std::hypot(out, x[i].z);
-      values[i] = d - kTube;
-      if (!gradients.empty()) gradients[i] = Vec3{x[i].x / ring * out, x[i].y / ring * out, x[i].z} / d;
-    }
-  }
+  explicit RingField(double end = 10)
+      : FormulaField([](const Vec3& x, Vec3& gradient) { return test::distance_to_ring(x, gradient) - kTube; }),
+        end_(end) {}
   void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                           std::span<std::uint8_t> inside) const override {
     evaluate(x, values, gradients);

@@ -10,7 +10,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Of the unit sphere, or of the cylinder of radius 1 around z.
+/// Samples of the unit sphere, or of the cylinder of radius 1 around z.
 PointSet round_cloud(bool cylinder) {
   PointSet cloud;
   constexpr int kCount = 8000;
@@ -24,7 +24,7 @@ PointSet round_cloud(bool cylinder) {
 
 TEST(SampleCurvature, OfACylinderHasItsDirections) {
   Progress progress;
-  // Ten times as large, somewhere else.
+  // Ten times as large, at another position.
   const LocalFrame frame{{5, 6, 7}, 10};
   const SampleCurvature curvature(round_cloud(true), frame, {}, progress);
   for (const double angle : {0.1, 1.7, 4.0}) {

@@ -322,7 +322,7 @@ constexpr ReportRow kSurfaceAlignmentRows[] = {
     reported<&SurfaceAlignment::samples>({.text = "Number of compared samples"}),
     reported<&SurfaceAlignment::iterations>({.text = "Steps of the last search", .unit = "steps"}),
     reported<&SurfaceAlignment::start>({.name = "from", .text = "Start of the search", .choices = kStartWords}),
-    reported<[](const SurfaceAlignment& r) { return told_if(r.searched, r.alternatives); }>(
+    reported<[](const SurfaceAlignment& r) { return value_if(r.searched, r.alternatives); }>(
         {.name = "alternatives", .text = "Other poses with the same fit; absent if they were not searched for"}),
     reported<&SurfaceAlignment::alternative_angles>(
         {.name = "alternative_angles_deg", .text = "Rotation angles to the other poses", .unit = "degrees"}),

@@ -1,4 +1,5 @@
 #include "sansmesh/mesh/edit/clip_mesh.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <algorithm>
 #include <unordered_map>

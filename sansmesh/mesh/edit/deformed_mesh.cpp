@@ -1,4 +1,5 @@
 #include "sansmesh/mesh/edit/deformed_mesh.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <algorithm>
 #include <cmath>

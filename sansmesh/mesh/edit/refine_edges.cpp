@@ -3,6 +3,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/edit/refine_edges.h"

@@ -469,7 +469,7 @@ constexpr ReportRow kSmoothReportRows[] = {
         {.name = "volume.before", .text = "Volume before, of closed meshes", .unit = "length³"}),
     reported<&SmoothReport::volume_after>(
         {.name = "volume.after", .text = "Volume after, of closed meshes", .unit = "length³"}),
-    reported<[](const SmoothReport& r) { return told_if(r.crease_angle > 0, r.crease_angle); }>(
+    reported<[](const SmoothReport& r) { return value_if(r.crease_angle > 0, r.crease_angle); }>(
         {.name = "crease_angle_deg", .text = "Least angle of edges preserved as creases", .unit = "degrees"})};
 
 }  // namespace

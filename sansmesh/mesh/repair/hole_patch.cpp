@@ -1,4 +1,5 @@
 #include "sansmesh/mesh/repair/hole_patch.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>

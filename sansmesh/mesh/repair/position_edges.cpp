@@ -1,4 +1,5 @@
 #include "sansmesh/mesh/repair/position_edges.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <algorithm>
 

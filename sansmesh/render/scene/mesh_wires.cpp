@@ -63,7 +63,7 @@ float MeshWires::cover(const RayHit& hit, const Vec3f& origin, const Vec3f& dire
   const float area = squared_norm(n);  // four times its square
   const float ahead = -dot(direction, camera_.backward), facing = dot(n, direction);
   if (!(area > 0) || !(ahead > 0) || facing == 0) return 0;
-  // How the place on the triangle's plane moves with the ray, a pixel to the right and a pixel up.
+  // Displacement on the triangle's plane for one pixel to the right and one pixel up.
   const float step = pixel_ * camera_.shrink(hit.distance * ahead);
   const auto moved = [&](const Vec3f& axis) { return step * (axis - direction * (dot(n, axis) / facing)); };
   const Vec3f right = moved(camera_.right), up = moved(camera_.up);
@@ -71,7 +71,7 @@ float MeshWires::cover(const RayHit& hit, const Vec3f& origin, const Vec3f& dire
   const Vec3f at = origin + hit.distance * direction;
   float most = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    // The weight of a corner falls to 0 at the edge opposite to it.
+    // The weight of a corner decreases to 0 at the opposite edge.
     const Vec3f slope = cross(n, corners[(k + 2) % 3] - corners[(k + 1) % 3]);
     const float a_pixel = std::hypot(dot(slope, right), dot(slope, up)) / area;
     if (!(a_pixel > 0)) continue;
@@ -80,7 +80,7 @@ float MeshWires::cover(const RayHit& hit, const Vec3f& origin, const Vec3f& dire
     const std::uint32_t other = others_[hit.primitive][k];
     bool shared = other != kNoOther;
     if (shared) {
-      // Turned as this one, and seen from the same side.
+      // Oriented like this one, and visible from the same side.
       const Vec3f ray = camera_.parallel ? direction : at - origin;
       shared = (dot(normal(other), ray) > 0) == (facing > 0);
     }
