@@ -319,7 +319,7 @@ TEST(Orientation, GivenNormalsThatLookAwayFromTheirScannerAreTurned) {
   EXPECT_EQ(turned.points.normals, seen.normals);
   EXPECT_EQ(turned.oriented_by, OrientBy::scanner);
   ASSERT_EQ(turned.warnings.size(), 1u);
-  EXPECT_NE(turned.warnings[0].find("12,000 normals turned"), std::string::npos) << turned.warnings[0];
+  EXPECT_NE(turned.warnings[0].find("12,000 normals flipped"), std::string::npos) << turned.warnings[0];
   EXPECT_EQ(kept.points.normals, seen.normals);
   EXPECT_FALSE(kept.oriented_by);
   EXPECT_TRUE(kept.warnings.empty());
