@@ -248,12 +248,12 @@ SANSMESH_API Image render_mesh(const TriangleMesh& mesh, const RenderOptions& op
 /// Receives each picture when it is complete, from frame 0 on; `made_with` are its options.
 using UsePicture = std::function<void(std::size_t frame, const Image& image, const RenderOptions& made_with)>;
 
-/// A surface that can be added to a picture, made by surface_in_picture(). It owns its data and prepares a scene for
+/// A surface that can be added to a picture, made by scene_factory(). It owns its data and prepares a scene for
 /// the frame and camera of a picture; both types are private to the library.
 using SceneFactory = std::function<std::unique_ptr<PictureScene>(const PictureFrame& frame, const Camera& camera)>;
 
 /// A mesh, or a cloud as discs or balls. Copies the mesh. Throws DataError if there is nothing to draw.
-SANSMESH_API SceneFactory surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options);
+SANSMESH_API SceneFactory scene_factory(const TriangleMesh& mesh, const RenderOptions& options);
 /// A translucent version of a surface, with all sheets visible: `opacity` 0..1 is the share of light that a sheet
 /// blocks where it faces the viewer. `apart`: sheets closer together than this, in the coordinates of the scene, count
 /// as one; default: the resolution of floats.

@@ -1,4 +1,4 @@
-// A format of points: a line "point X Y Z" for each, after a line "triples".
+// A format of points: a line "triples", then one line "point X Y Z" per point.
 #include <fmt/format.h>
 
 #include <iterator>

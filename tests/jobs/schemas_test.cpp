@@ -1,4 +1,4 @@
-// Schemas of composed options: every part has its rows, which set the part's fields.
+// Tests of schemas of composed options: every part has its rows, which set the part's fields.
 #include <gtest/gtest.h>
 
 #include <algorithm>

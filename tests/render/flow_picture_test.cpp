@@ -307,7 +307,7 @@ TEST(SplatScene, WhatStandsBeforeThemIsSeen) {
   for (const Vec3f& p : sheet.mesh.vertices) places.emplace_back(p);
   Progress progress;
   const std::vector<SceneFactory> surfaces = {DrawnFlow(sheet, options).surface({std::nullopt, 1, true}),
-                                              surface_in_picture(before, options)};
+                                              scene_factory(before, options)};
   for (const bool translucent : {false, true}) {
     const Image image = render_surfaces(surfaces, places, translucent, options, progress);
     EXPECT_GT(image.at(16, 16)[1], 2 * image.at(16, 16)[0]) << translucent;

@@ -97,7 +97,7 @@ std::vector<std::pair<std::string, Draw>> all_kinds() {
   const auto objects = [](const RenderOptions& o) {
     TriangleMesh near = test::octasphere(4), far = near;
     near.origin = kNear, far.origin = kFar;
-    const std::vector<SceneFactory> both = {surface_in_picture(near, o), surface_in_picture(far, o)};
+    const std::vector<SceneFactory> both = {scene_factory(near, o), scene_factory(far, o)};
     std::vector<Vec3> places;
     for (const Vec3f& p : ball_meshes().vertices) places.emplace_back(p);
     Progress progress;

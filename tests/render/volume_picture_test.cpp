@@ -67,7 +67,7 @@ TEST(VolumePicture, IsoSurfaceLooksLikeTheSurfaceItself) {
   VolumePictureOptions with_iso = options;
   with_iso.isos = {{0.4, options.picture.look.surface_color, 1}};
   const Image iso = picture_of({&field, nullptr, nullptr, {}}, with_iso);
-  const Image mesh = picture_of({&nothing, nullptr, nullptr, {surface_in_picture(sphere, options.picture)}}, options);
+  const Image mesh = picture_of({&nothing, nullptr, nullptr, {scene_factory(sphere, options.picture)}}, options);
   double most = 0;
   std::size_t both = 0, one = 0;
   for (std::size_t i = 0; i < iso.pixels.size(); ++i) {

@@ -155,7 +155,7 @@ TEST(VolumePicture, SurfacesHideWhatIsBehindThem) {
   const FormulaVolume field = constant_volume(0.5);
   TriangleMesh wall = box_surface({0.1, 0.1, 0.4}, {0.9, 0.9, 0.5});
   VolumePictureOptions options = one_pixel(fog(0.3, 0.1, {0, 0, 0}));
-  VolumeSubject subject{&field, nullptr, nullptr, {surface_in_picture(wall, options.picture)}};
+  VolumeSubject subject{&field, nullptr, nullptr, {scene_factory(wall, options.picture)}};
   VolumePictureOptions clear = options;
   clear.opacity_factor = 0;
   const Vec3 a{0.5, 0.5, 0}, b{0.5, 0.5, 1};

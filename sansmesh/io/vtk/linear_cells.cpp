@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace sansmesh::inline v1::io {
 namespace {
@@ -18,7 +19,7 @@ using Ring = std::vector<std::uint8_t>;
 struct CellFrame {
   std::size_t corners;
   std::vector<Ring> faces;
-  std::vector<std::array<std::uint8_t, 2>> edges;
+  std::span<const std::array<std::uint8_t, 2>> edges;
 
   /// Index of the node on the edge between two corners; edge nodes follow the corners.
   std::size_t node_between(std::uint8_t a, std::uint8_t b) const {
@@ -31,16 +32,12 @@ struct CellFrame {
 
 const CellFrame& frame_of(CellShape shape) {
   static const CellFrame frames[] = {
-      {4, {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1}}, {{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}},
-      {5,
-       {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}},
-       {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 4}, {1, 4}, {2, 4}, {3, 4}}},
-      {6,
-       {{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}},
-       {{0, 1}, {1, 2}, {2, 0}, {3, 4}, {4, 5}, {5, 3}, {0, 3}, {1, 4}, {2, 5}}},
+      {4, {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1}}, cell_edges(CellShape::tetrahedron)},
+      {5, {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}, cell_edges(CellShape::pyramid)},
+      {6, {{0, 1, 2}, {3, 5, 4}, {0, 3, 4, 1}, {1, 4, 5, 2}, {2, 5, 3, 0}}, cell_edges(CellShape::wedge)},
       {8,
        {{0, 4, 7, 3}, {1, 2, 6, 5}, {0, 1, 5, 4}, {3, 7, 6, 2}, {0, 3, 2, 1}, {4, 5, 6, 7}},
-       {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {4, 5}, {5, 6}, {6, 7}, {7, 4}, {0, 4}, {1, 5}, {2, 6}, {3, 7}}},
+       cell_edges(CellShape::hexahedron)},
   };
   return frames[static_cast<std::size_t>(shape)];
 }

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/curvature_field.h"
@@ -84,9 +85,7 @@ std::vector<Vec3f> shown_corners(std::span<const Vec3f> points, const PictureFra
   if (box.empty()) throw ArgumentError("`clip_box` contains no part of the scene");
   std::vector<Vec3f> corners;
   corners.reserve(8);
-  for (int c = 0; c < 8; ++c)
-    corners.push_back(
-        {(c & 1 ? box.upper : box.lower).x, (c & 2 ? box.upper : box.lower).y, (c & 4 ? box.upper : box.lower).z});
+  for (int c = 0; c < 8; ++c) corners.push_back(box_corner(box, c));
   return corners;
 }
 
@@ -302,7 +301,7 @@ class Painter::Work {
       normals.push_back(batch.points[i]->normal);
       whose.push_back(p);
     }
-    std::vector<SurfaceBend> bends(places.size());
+    std::vector<SurfaceCurvature> bends(places.size());
     if (!places.empty()) options_.look.curvature->evaluate(places, normals, bends);
     const auto radius = static_cast<float>(*options_.look.accessibility * frame_.size);
     for (std::size_t k = 0; k < whose.size(); ++k)

@@ -201,7 +201,7 @@ void FlowLook::validate() const {
   check_range("opacity", opacity, 0, 1);
 }
 
-SceneFactory surface_in_picture(const TriangleMesh& mesh, const RenderOptions& options) {
+SceneFactory scene_factory(const TriangleMesh& mesh, const RenderOptions& options) {
   options.validate();
   auto shared = std::make_shared<const TriangleMesh>(mesh);
   make_subject(*shared, options);  // throws if there is nothing to draw
@@ -210,8 +210,8 @@ SceneFactory surface_in_picture(const TriangleMesh& mesh, const RenderOptions& o
   };
 }
 
-SceneFactory surface_in_picture(const SurfaceCaster& caster, const LocalFrame& local, const ColorField* colors,
-                                const SurfaceRenderOptions& options) {
+SceneFactory scene_factory(const SurfaceCaster& caster, const LocalFrame& local, const ColorField* colors,
+                           const SurfaceRenderOptions& options) {
   options.validate();
   SurfaceRenderOptions own = options;
   own.picture.look.shadows = false;

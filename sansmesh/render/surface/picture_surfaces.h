@@ -21,8 +21,8 @@ namespace sansmesh::inline v1 {
 
 /// A surface without a mesh, with local coordinates in `frame`. Caster and colours (which may be null) must outlive the
 /// pictures.
-SceneFactory surface_in_picture(const SurfaceCaster& caster, const LocalFrame& frame, const ColorField* colors,
-                                const SurfaceRenderOptions& options);
+SceneFactory scene_factory(const SurfaceCaster& caster, const LocalFrame& frame, const ColorField* colors,
+                           const SurfaceRenderOptions& options);
 
 /// Appearance of a surface with a flow along it.
 struct FlowLook {

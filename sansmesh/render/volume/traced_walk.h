@@ -34,8 +34,8 @@ struct TracedSample {
 
 struct TracedWalk {
   Vec3 origin, direction;
-  Vec3f half;                           // half-way vector of key light and eye, for highlights
-  std::uint32_t slot = 0;               // index of the ray's answer
+  Vec3f half;                            // half-way vector of key light and eye, for highlights
+  std::uint32_t slot = 0;                // index of the ray's answer
   std::uint32_t interval = 0, last = 0;  // the next one, and their end
   RayInterval now;
   bool within = false, begun = false, started = false;  // in a interval; at its begin; `before` is valid

@@ -9,6 +9,7 @@
 #include <mutex>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/render/annotate/picture_notes.h"
@@ -227,9 +228,7 @@ class VolumePicture::Work {
     if (mesh && !mesh->triangles.empty()) {
       for (const Vec3f& p : mesh->vertices) outline_.push_back(frame.to_picture(mesh->origin + Vec3(p)));
     } else {
-      for (int c = 0; c < 8; ++c)
-        outline_.push_back(frame.to_picture(
-            {c & 1 ? box.upper.x : box.lower.x, c & 2 ? box.upper.y : box.lower.y, c & 4 ? box.upper.z : box.lower.z}));
+      for (int c = 0; c < 8; ++c) outline_.push_back(frame.to_picture(box_corner(box, c)));
     }
     return frame;
   }
@@ -418,7 +417,7 @@ constexpr ReportRow kVolumePictureReportRows[] = {
         {.name = "colors.lower", .text = "Value of the first colour", .unit = "unit of the array"}),
     reported<[](const VolumePictureReport& r) { return r.transfer.range().second; }>(
         {.name = "colors.upper", .text = "Value of the last colour", .unit = "unit of the array"}),
-    reported<[](const VolumePictureReport& r) { return told_if(!r.why.empty(), r.why); }>(
+    reported<[](const VolumePictureReport& r) { return value_if(!r.why.empty(), r.why); }>(
         {.name = "why", .text = "Reason for these colours, if they were chosen"}),
     reported<&VolumePictureReport::rays>({.text = "Rays"}),
     reported<&VolumePictureReport::evaluations>({.text = "Evaluations of the field"}),
