@@ -318,7 +318,7 @@ TEST_F(ToolTest, FilesThatTookAllMemoryAreOneLine) {
       {"info", "huge-image.vti", "announces arrays of 8,000,000,000 bytes or more"},
       {"info", "huge-points.vtk", "announces 3,000,000,000 numbers"},
       {"info", "overlapping-lists.meshb", "inside earlier data"},
-      {"info", "beyond-float.xyz", "4 of 4 lie farther than 1e+18 from zero"},
+      {"info", "beyond-float.xyz", "4 of 4 are farther than 1e+18 from zero"},
       {"reconstruct", "coincident-points.ply.gz", "all points coincide"},
       {"reconstruct", "parts-far-apart.xyz", "the points lie in parts that are 1e+09 apart"}};
   for (const auto& [command, file, words] : cases) {

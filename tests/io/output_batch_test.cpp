@@ -215,7 +215,7 @@ TEST(Places, ADanglingLinkIsFollowed) {
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.txt"));
   EXPECT_EQ(slurp(folder / "there/far.txt"), "x");
   for (const char* const bad : {"lost.txt", "round.txt"}) {
-    const std::string cause = bad[0] == 'l' ? "its folder does not exist" : "circle";
+    const std::string cause = bad[0] == 'l' ? "its folder does not exist" : "loop";
     expect_file_error(folder / bad, cause, [&] { check_writable(folder / bad, "text"); });
     expect_file_error(folder / bad, cause, [&] { write_text(folder / bad, "x"); });
     EXPECT_TRUE(std::filesystem::is_symlink(folder / bad));

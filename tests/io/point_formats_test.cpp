@@ -176,8 +176,8 @@ TEST_F(Table, NotFinite) {
   EXPECT_EQ(report_.warnings[0], "3 of 6 points are not finite and were left out");
   EXPECT_EQ(report_.warnings[1], "1 of 6 points are farther than 1e+18 from zero and were left out");
   refuse("nan nan nan\nnan nan nan\n", "no points with finite coordinates");
-  refuse("1e30 0 0\n0 1e30 0\n", "no points that can be used: 2 of 2 lie farther than 1e+18 from zero");
-  refuse("1e30 0 0\nnan 0 0\n", "1 of 2 lies farther than 1e+18 from zero, the others are not finite");
+  refuse("1e30 0 0\n0 1e30 0\n", "no points that can be used: 2 of 2 are farther than 1e+18 from zero");
+  refuse("1e30 0 0\nnan 0 0\n", "1 of 2 is farther than 1e+18 from zero, the others are not finite");
 }
 
 TEST_F(Table, BadRows) {

@@ -283,7 +283,7 @@ TEST(TetgenReader, EitherFileFindsTheOther) {
     EXPECT_EQ(alone.blocks[0].kind, GridKind::scattered);
     EXPECT_EQ(alone.notes.size(), 1u);
     std::filesystem::remove(nodes);
-    expect_no_volume(folder.put("a.1.ele", tetgen_cells(first)), "a.1.node is not there");
+    expect_no_volume(folder.put("a.1.ele", tetgen_cells(first)), "a.1.node does not exist");
   }
 }
 
@@ -313,7 +313,7 @@ TEST(VegaReader, MaterialsAndFilesInFiles) {
   expect_vega(read_volume(folder.put("outer.veg", "*INCLUDE body.veg\n")));
   std::string none = vega_text();
   none.replace(none.find("bone, hard"), 4, "skin");
-  expect_no_volume(folder.put("c.veg", none), "the set 'skin'");
+  expect_no_volume(folder.put("c.veg", none), "the missing set 'skin'");
   std::string misspelt = vega_text();
   misspelt.replace(misspelt.find("allElements, soft"), 17, "allElements, sfot");
   expect_no_volume(folder.put("d.veg", misspelt), "the missing material 'sfot'");
@@ -409,7 +409,7 @@ TEST(MeshReaders, SayWhatIsWrong) {
   expect_no_volume(folder.put("c.msh", "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n"), "holds no nodes");
   std::string medit = medit_text();
   expect_no_volume(folder.put("d.mesh", medit.replace(medit.find("Tetrahedra\n2\n1"), 14, "Tetrahedra\n2\n6")),
-                   "the point 6");
+                   "the missing point 6");
   expect_no_volume(folder.put("e.mesh", "MeshVersionFormatted 1\nDimension 3\nVertices\n1\n0 0 zero 0\n"),
                    "line 5: 'zero' is not a number");
   expect_no_volume(folder.put("f.mesh", "MeshVersionFormatted 1\nDimension 3\nVertices\n900000\n0 0 0 0\n"),
