@@ -113,7 +113,7 @@ std::vector<std::uint8_t> far_off(const SurfaceModel& model, std::span<const Vec
 
 }  // namespace
 
-SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
+SurfaceModel make_recommended_surface(PreparedCloud cloud, Progress& progress) {
   const NoiseEstimate estimate = measure_noise(cloud.points);
   // An unknown deviation, possibly shape, does not count as noise.
   const double noise = estimate.known ? estimate.deviation : 0;
