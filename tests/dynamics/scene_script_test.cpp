@@ -127,7 +127,7 @@ TEST(SceneScript, WrongOnesAreToldByTheirPlace) {
       {"{\"fixed\": {\"side\": \"left\"}}", "fixed: 'side' must be -x"},
       {"{\"fixed\": {}}", "fixed: selects nothing"},
       {"{\"fixed\": [{\"ball\": {\"center\": [9, 9, 9], \"radius\": 1}}]}", "fixed 1: no vertex is there"},
-      {"{\"forces\": [{\"on\": [10]}]}", "forces 1: either 'force'"},
+      {"{\"forces\": [{\"on\": [10]}]}", "forces 1: give either 'force'"},
       {"{\"forces\": [{\"on\": [10], \"force\": [1, 2]}]}", "forces 1: 'force' must be three numbers"},
       {"{\"forces\": {\"on\": [99], \"force\": [1, 2, 0]}}", "forces.on: there is no vertex 99"},
       {"{\"handles\": {\"on\": [10]}}", "handles: 'keys', 'move' or 'turn' is missing"},
@@ -144,7 +144,7 @@ TEST(SceneScript, WrongOnesAreToldByTheirPlace) {
       {"{\"halvings\": 99}", "'halvings' must lie in 0..20"},
       {"{\"fixed\": [10, 11], \"handles\": [{\"on\": [12], \"move\": [1, 0, 0]}, {\"on\": [11], \"move\": [1, 0, 0]}]}",
        "handles 2.on: the vertex at (1, 0, 0) is fixed or pulled already"},
-      {"{\"floor\": {}}", "floor: either 'point' or 'height'"},
+      {"{\"floor\": {}}", "floor: give either 'point' or 'height'"},
       {"{\"spheres\": [{\"center\": [0, 0, 0], \"radius\": -1}]}", "spheres 1: 'radius' must be above 0"},
   };
   for (const auto& [text, part] : cases)
