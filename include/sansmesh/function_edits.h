@@ -1,4 +1,4 @@
-// Edits of fitted functions, and places where a function should not be trusted without a look.
+// Edits of fitted functions, and diagnosis of their doubtful regions.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// Supports of a function (local approximations, each on a ball around its block) that an edit changes: all conditions
-/// that are given must hold. Lengths and positions in the unit of the input.
+/// Selects the supports of a function (local approximations, each on a ball around its block) that an edit changes. All
+/// given conditions must hold. Lengths and positions in the unit of the input.
 struct SANSMESH_API EditSelection {
   /// A ball in space.
   struct Ball {
@@ -32,22 +32,22 @@ struct SANSMESH_API EditSelection {
   /// One side of a plane.
   struct HalfSpace {
     Vec3 point;   ///< on the plane
-    Vec3 normal;  ///< points to the side that is meant; any length but 0
+    Vec3 normal;  ///< points to the selected side; any length but 0
   };
-  std::optional<Ball> ball;             ///< its block meets the ball
-  std::optional<Box3> box;              ///< its block meets the box
-  std::optional<HalfSpace> half_space;  ///< its block's centre lies on the side that the normal points to
-  /// Its samples cover less than this of it (about 1: all of it; METHODS §3.1), above 0, up to 2.
+  std::optional<Ball> ball;             ///< the block meets the ball
+  std::optional<Box3> box;              ///< the block meets the box
+  std::optional<HalfSpace> half_space;  ///< the block's centre is on the side of the normal
+  /// The samples cover less than this share of the support, above 0, up to 2 (about 1: all of it; tejada2008, 4.4.3).
   std::optional<double> coverage_below;
-  /// Its samples are too few for a plane, or cover less of it than this for its degree, 2, 3 or 4.
+  /// The samples are too few for a plane, or their coverage is below this for the support's degree, 2, 3 or 4.
   std::optional<PaperCoverage> coverage_fails;
-  std::optional<double> error_above;  ///< rms distance of its samples (length)
-  std::optional<int> samples_below;   ///< it was fitted to fewer samples, >= 0
-  std::optional<int> level_from;  ///< its block lies on this level of the tree or deeper, 0..20; 0 is the whole cube
-  std::optional<int> level_to;    ///< its block lies on this level of the tree or above, 0..20
-  std::optional<Vec3> sheet_at;   ///< on the connected sheet at this place (within two edges of a block there)
-  /// On a sheet that hardly any samples stand for, or that is small beside the largest one; of sheets that bound no
-  /// solid only on those that fewer than five samples stand for.
+  std::optional<double> error_above;  ///< rms distance of the samples exceeds this (length)
+  std::optional<int> samples_below;   ///< the support was fitted to fewer samples, >= 0
+  std::optional<int> level_from;      ///< the block is on this level of the tree or deeper, 0..20; 0 is the whole cube
+  std::optional<int> level_to;        ///< the block is on this level of the tree or above, 0..20
+  std::optional<Vec3> sheet_at;       ///< on the connected sheet at this point (within two edges of a block there)
+  /// On a sheet that hardly any samples represent, or that is small beside the largest one. For open sheets only the
+  /// first condition counts: fewer than five samples represent the sheet.
   bool spurious_sheets = false;
   bool all_but_largest = false;  ///< not on the largest sheet
 
@@ -55,126 +55,128 @@ struct SANSMESH_API EditSelection {
   void validate() const;
 };
 
-/// Polynomials of another degree, or of the highest below it that the samples determine; creases go.
+/// Replaces the polynomials by those of another degree, or of the highest degree below it that the samples determine.
+/// Removes creases.
 struct SetDegree {
-  int degree = 0;  ///< 0..4, or kAutomaticDegree: of each support the highest that its samples allow
+  int degree = 0;  ///< 0..4, or kAutomaticDegree: the highest degree that each support's samples allow
 };
 
-/// Fitted again with other options. What is absent is as it was when the whole was fitted; with nothing set, edited
-/// parts come back to what they were. Needs the samples.
+/// Fits again with other options. Absent options keep the values of the original fit; with no option set, edited parts
+/// are restored. Needs the samples.
 struct Refit {
   std::optional<int> max_degree;  ///< largest degree of the local polynomials, 1..4
-  std::optional<int> max_depth;   ///< deepest level of the tree, 2..14; no deeper than that of the fit
-  std::optional<double> error;    ///< accepted rms error (length, > 0): blocks that fit better are not divided
+  std::optional<int> max_depth;   ///< deepest level of the tree, 2..14; at most that of the fit
+  std::optional<double> error;    ///< accepted rms error (length, > 0): blocks with a smaller error are not divided
   std::optional<double> support;  ///< support radius / circumscribed radius of the block, 1.1..2
   std::optional<bool> sharp;      ///< look for creases
 };
 
-/// Constants in place of polynomials.
+/// Replaces the polynomials by constants.
 struct SetConstant {
-  double value = 1;        ///< in radii of each support, 0.001..1000 in size; positive: outside
-  bool automatic = false;  ///< instead of the value: of each support, what all that are not selected make of its centre
+  double value = 1;        ///< in radii of each support, magnitude 0.001..1000; positive: outside
+  bool automatic = false;  ///< use the value of all unselected supports at each support's centre instead
 };
 
-/// The selected supports go.
+/// Removes the selected supports.
 struct RemoveSupports {};
 
-/// Takes back this many of the last edits.
+/// Reverts the last edits.
 struct Undo {
-  int steps = 1;  ///< 1 or more; edits that selected nothing count, edits already taken back do not
+  int steps = 1;  ///< number of edits, >= 1; edits that selected nothing count, reverted edits do not
 };
 
 /// One edit of a function (docs/methods/function-editing.md).
 struct Edit {
-  EditSelection select;                                                      ///< which supports; none for Undo
-  std::variant<SetDegree, Refit, SetConstant, RemoveSupports, Undo> action;  ///< what becomes of them
+  EditSelection select;                                                      ///< selected supports; unused for Undo
+  std::variant<SetDegree, Refit, SetConstant, RemoveSupports, Undo> action;  ///< change of the selected supports
 };
 
-/// What an edit did.
+/// Result of an edit.
 struct SANSMESH_API EditReport {
-  std::size_t chosen = 0;    ///< supports that were selected
-  std::size_t supports = 0;  ///< that stand in their place
-  Box3 changed;              ///< where the function may have changed (input); empty: nowhere
-  /// The same more closely: boxes whose union holds it; they may overlap.
+  std::size_t chosen = 0;    ///< selected supports
+  std::size_t supports = 0;  ///< supports that replace them
+  Box3 changed;              ///< region where the function may have changed (input); empty: nowhere
+  /// A finer description: boxes whose union contains that region; they may overlap.
   std::vector<Box3> regions;
-  std::string what;  ///< one line for people to read
+  std::string what;  ///< the edit as one line of text
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row a figure
 };
 
-/// How the mesh of an edited function was made.
+/// Update of a mesh after an edit of its function.
 struct SANSMESH_API MeshUpdate {
-  bool local = false;       ///< false: the whole mesh was made anew
-  std::size_t removed = 0;  ///< triangles of the old mesh that went
-  std::size_t added = 0;    ///< triangles that are new
-  std::size_t regions = 0;  ///< apart from each other, that were cut out again
-  std::string why;          ///< why the whole was made anew, for people to read; empty if it was not
+  bool local = false;       ///< false: the whole mesh was extracted again
+  std::size_t removed = 0;  ///< removed triangles of the old mesh
+  std::size_t added = 0;    ///< new triangles
+  std::size_t regions = 0;  ///< separate regions that were extracted again
+  std::string why;          ///< reason for extracting the whole mesh, as text; empty if local
 
-  static const ReportSchema& schema();  ///< a row for each thing that it tells
+  static const ReportSchema& schema();  ///< one row a figure
 };
 
-/// Why a place should not be trusted without a look.
+/// Kinds of doubtful regions of a function.
 enum class Suspicion : std::uint8_t {
-  /// Samples cover little of the supports: holes and gaps of a scan; not where a sheet that bounds no solid ends.
+  /// Samples cover only a small share of the supports: holes and gaps of a scan. Not reported at the rim of open
+  /// sheets.
   low_coverage,
-  high_error,  ///< samples lie farther off than elsewhere: misaligned scans, detail that is not resolved
-  /// A piece of surface that hardly any samples stand for, or that a mesh would leave out as too small; in functions
-  /// with sheets that bound no solid only the samples count: few of them, however small a part is beside the largest.
+  high_error,  ///< samples are farther from the surface than elsewhere: misaligned scans, unresolved detail
+  /// A part of the surface that hardly any samples represent, or that meshing would drop as too small. For open sheets
+  /// only the number of samples counts, not the size beside the largest part.
   extra_sheet,
-  steep  ///< the gradient is far from 1: sheets too close to each other, contradicting samples
+  steep  ///< the gradient's length is far from 1: sheets too close to each other, contradicting samples
 };
 
-/// Number of the kinds of Suspicion.
+/// Number of kinds of Suspicion.
 constexpr std::size_t kSuspicions = 4;
 
 /// "low coverage", "high error", "extra sheet", "steep gradient".
 SANSMESH_API const char* suspicion_name(Suspicion kind);
 
-/// What Diagnosis::mesh is coloured in there (sRGB).
+/// Colour of the kind in Diagnosis::mesh (sRGB).
 SANSMESH_API std::array<std::uint8_t, 3> suspicion_color(Suspicion kind);
 
-/// From what on a place is suspicious.
+/// Thresholds of the diagnosis.
 struct SANSMESH_API DiagnoseOptions {
-  double coverage_below = 0.3;  ///< of supports (METHODS §3.1), 0..1
-  /// rms distance of a support's samples (length, input); default: six times the median of all, at least a quarter of
-  /// the spacing.
+  double coverage_below = 0.3;  ///< least coverage of supports (tejada2008, 4.4.3), 0..1
+  /// Largest rms distance of a support's samples (length, input); default: six times the median of all supports, at
+  /// least a quarter of the spacing.
   std::optional<double> error_above = {};
-  double gradient_above = kSoundSlope;  ///< norm, > 1
-  std::size_t places = 20;              ///< at most this many places of each kind
+  double gradient_above = kSoundSlope;  ///< largest length of the gradient, > 1
+  std::size_t places = 20;              ///< largest number of places of each kind
 
-  static const OptionSchema& schema();  ///< a row a field
+  static const OptionSchema& schema();  ///< one row a field
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// A place where the function should not be trusted without a look.
+/// A doubtful region of the function.
 struct SuspiciousPlace {
-  Suspicion kind = Suspicion::low_coverage;  ///< why
-  Vec3 position;                             ///< middle (input)
-  Vec3 normal;                               ///< of the surface there, outward, on average; 0 if it faces all ways
-  double radius = 0;                         ///< of a ball around it (length)
-  std::size_t supports = 0;                  ///< that are concerned
+  Suspicion kind = Suspicion::low_coverage;  ///< reason
+  Vec3 position;                             ///< centre (input)
+  Vec3 normal;                               ///< mean outward normal of the surface there; 0 if directions cancel
+  double radius = 0;                         ///< radius of the enclosing ball (length)
+  std::size_t supports = 0;                  ///< number of affected supports
   double worst = 0;                          ///< coverage, error (length), area (length²) or gradient
-  std::optional<Edit> edit;                  ///< that may mend it
+  std::optional<Edit> edit;                  ///< edit that may repair it
 };
 
-/// Suspicious places of a function.
+/// Doubtful regions of a function.
 struct SANSMESH_API Diagnosis {
-  std::vector<SuspiciousPlace> places;  ///< of each kind, the largest first
-  std::array<std::size_t, kSuspicions>
-      found{};                  ///< places of each kind, including those beyond DiagnoseOptions::places
+  std::vector<SuspiciousPlace> places;  ///< grouped by kind, the largest first
+  /// Number of places of each kind, including those beyond DiagnoseOptions::places.
+  std::array<std::size_t, kSuspicions> found{};
   double error_above = 0;       ///< threshold used (length)
   double largest_gradient = 0;  ///< at and around the surface
-  TriangleMesh mesh;            ///< with all components; coloured by what is suspicious
-  /// The edits of the places that have one, in their order.
+  TriangleMesh mesh;            ///< mesh with all components; coloured by suspicion_color
+  /// The edits of those places that have one, in their order.
   std::vector<Edit> edits() const;
 };
 
-/// Edits of a script: JSON as described in docs/formats/edit-script.md. Throws ArgumentError that names the step and
-/// the field.
+/// Edits of a script: JSON as described in docs/formats/edit-script.md. Throws ArgumentError naming the step and the
+/// field.
 SANSMESH_API std::vector<Edit> parse_edit_script(const std::string& json);
 
-/// The script of some edits; parse_edit_script reads it back.
+/// Script of a list of edits; parse_edit_script reads it back.
 SANSMESH_API std::string edit_script(const std::vector<Edit>& edits);
 
 }  // namespace sansmesh::inline v1

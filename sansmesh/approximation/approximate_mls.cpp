@@ -20,7 +20,8 @@ ApproximateMls<D>::ApproximateMls(std::span<const Position<D>> positions, std::s
       radius_(phi_.cutoff(options.cutoff)),
       components_(values.size() / positions.size()) {
   coefficients_.assign(values.begin(), values.end());
-  if (options.iterations == 0 && options.normalisation != Normalisation::kSamples) return;  // nothing to iterate on
+  if (options.iterations == 0 && options.normalisation != Normalisation::kSamples)
+    return;  // no iteration needs the matrix
   const detail::GeneratingMatrix k = detail::generating_matrix<D>(index_, phi_, radius_, options.max_entries);
   std::vector<double> residual(values.begin(), values.end()), scratch(values.size());
   double magnitude = 0;
@@ -46,14 +47,14 @@ void ApproximateMls<D>::evaluate(std::span<const Position<D>> x, std::span<doubl
                                  std::span<double> gradients) const {
   const std::size_t c = components_;
   if (values.size() != x.size() * c || !(gradients.empty() || gradients.size() == x.size() * c * D))
-    throw ArgumentError("approximation: room for the values and gradients of all points is needed");
+    throw ArgumentError("approximation: the sizes of values and gradients must match the number of points");
   const bool partition = options_.normalisation == Normalisation::kPartition;
   parallel_ranges(0, x.size(), 64, [&](std::size_t first, std::size_t last) {
     std::vector<typename SampleIndex<D>::Hit> hits;
     std::vector<double> sums((D + 1) * c);
     for (std::size_t p = first; p < last; ++p) {
       index_.within(x[p], radius_, hits);
-      // Entry 0 of each group is the value, 1 + k the derivative in x_k.
+      // Entry 0 of each group is the value, entry 1 + k the derivative with respect to x_k.
       std::fill(sums.begin(), sums.end(), 0.0);
       std::array<double, D + 1> s{}, t{};
       for (const auto& hit : hits) {

@@ -11,10 +11,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-// The iteration without a sample is carried out as far from it as φ exceeds this fraction of its peak.
+// The iteration without a sample is carried out where φ exceeds this fraction of its peak around the sample.
 constexpr double kPatch = 1e-2;
 
-// Part of the cloud that is treated as if it were all, and which of its samples to leave out.
+// Part of the cloud that represents the whole, and the indices of the samples to leave out.
 template <int D>
 struct Region {
   SampleIndex<D> samples;
@@ -46,14 +46,14 @@ std::vector<Region<D>> make_regions(const SampleIndex<D>& all, std::span<const d
       for (std::size_t m = 0; m < c; ++m) region.values.push_back(values[hit.index * c + m]);
     }
     region.samples = SampleIndex<D>(positions);
-    // Nearest to the middle first: the rim of the cluster is far from them.
+    // The samples nearest to the centre are left out, because the rim of the cluster is far from them.
     const std::size_t count = std::min(hits.size(), (search.left_out + kClumps - 1) / kClumps);
     for (std::size_t i = 0; i < count; ++i) region.left_out.push_back(static_cast<std::uint32_t>(i));
   }
   return regions;
 }
 
-// The iteration without sample k, carried out on the samples near k; errors[n] += |f_k − prediction_n|².
+// Iterates without sample k on the samples near k; errors[n] += |f_k − prediction_n|².
 template <int D>
 void leave_one_out(const detail::GeneratingMatrix& matrix, const Region<D>& region, const LaguerreGaussian& phi,
                    double radius, Normalisation normalisation, std::size_t c, std::uint32_t k, int iterations,
@@ -66,7 +66,7 @@ void leave_one_out(const detail::GeneratingMatrix& matrix, const Region<D>& regi
   std::erase_if(patch, [&](const auto& hit) { return hit.index == k; });
   for (const auto& hit : patch) place[hit.index] = static_cast<std::int32_t>(count++);
 
-  // Divisors without k: they differ only in its row.
+  // Divisors without k differ only on its row.
   std::vector<double> factor(n, 1.0);
   const auto divisor = [&](std::size_t i, double gaussian, double v) {
     return detail::inverse_divisor(matrix.gaussian_sum[i] - gaussian, matrix.absolute_sum[i] - std::abs(v));
@@ -126,7 +126,8 @@ ApproximateMlsChoice choose_shape_and_iterations(std::span<const Position<D>> po
   detail::check_options(options, positions.size(), values);
   if (search.shapes.empty() || search.max_iterations < 0 || search.left_out == 0 || search.max_samples < 100)
     throw ArgumentError(
-        "approximation: the search needs shapes, iterations >= 0, samples to leave out and at least 100 samples");
+        "approximation: the search needs shapes, iterations >= 0, a number of samples to leave out and at least 100 "
+        "samples");
   const SampleIndex<D> all(positions);
   const std::size_t c = values.size() / positions.size();
   const double spacing = options.spacing ? *options.spacing : all.spacing();
@@ -142,7 +143,7 @@ ApproximateMlsChoice choose_shape_and_iterations(std::span<const Position<D>> po
     for (const Region<D>& region : regions) {
       const detail::GeneratingMatrix matrix =
           detail::generating_matrix<D>(region.samples, phi, radius, options.max_entries);
-      // The residuals of all iterations with all samples.
+      // Residuals of all iterations with all samples.
       std::vector<double> residual = region.values, scratch(residual.size()), history;
       history.reserve(steps * residual.size());
       for (std::size_t step = 0; step < steps; ++step) {
@@ -167,7 +168,7 @@ ApproximateMlsChoice choose_shape_and_iterations(std::span<const Position<D>> po
 
   double least = std::numeric_limits<double>::infinity();
   for (const auto& row : choice.errors) least = std::min(least, *std::min_element(row.begin(), row.end()));
-  // Fewest iterations, then least error.
+  // Fewest iterations first, then least error.
   for (std::size_t step = 0; step < steps; ++step) {
     double best = std::numeric_limits<double>::infinity();
     for (std::size_t s = 0; s < search.shapes.size(); ++s)

@@ -147,7 +147,8 @@ LaguerreGaussian::LaguerreGaussian(int dimension, int order, double shape, doubl
 
 double LaguerreGaussian::cutoff(double fraction) const {
   if (!(fraction > 0 && fraction < 1)) throw ArgumentError("approximation: the cutoff must lie in (0, 1)");
-  // Beyond the last zero of the slope |φ| falls: go inwards from where it is surely below.
+  // |φ| decreases beyond the last zero of its slope: the search goes inwards from a distance that is certainly beyond
+  // it.
   const double limit = fraction * l_[0];
   const auto magnitude = [&](double rho) { return std::abs(l_[0] + rho * (l_[1] + rho * l_[2])) * std::exp(-rho); };
   double outside = 60 - 2 * std::log(fraction), step = outside / 4096;

@@ -1,5 +1,5 @@
-// Functions of the distance alone that approximations are made of: radial basis functions, weights of moving least
-// squares and the Laguerre–Gaussians of approximate moving least squares (METHODS §1.1, §1.2, §1.4).
+// Radial functions: radial basis functions, weights of moving least squares and the Laguerre–Gaussians of approximate
+// moving least squares (tejada2008, ch. 3; wendland2004, fasshauer2007book).
 #pragma once
 
 #include <cmath>
@@ -8,14 +8,15 @@
 
 namespace sansmesh::inline v1 {
 
-/// A function of r = ‖x − x_i‖ and its slope φ'(r)/r: the gradient is slope · (x − x_i).
+/// Value of a function of r = ‖x − x_i‖ and its slope φ'(r)/r: the gradient is slope · (x − x_i).
 struct RadialValue {
   double value = 0;
   double slope = 0;
 };
 
-/// Radial basis functions. t = r / scale. Signs are such that every one is (conditionally) positive definite in up to
-/// three variables; `order` says which polynomials must be added: those of degree < order.
+/// Radial basis functions of t = r / scale. The signs make each (conditionally) positive definite in up to three
+/// variables; the order is that of conditional positive definiteness: an interpolant needs polynomials of degree <
+/// order.
 enum class RadialFunction {
   kThinPlate,            ///< "thin-plate": t² log t, order 2
   kBiharmonic,           ///< "biharmonic": −t, order 1
@@ -27,12 +28,11 @@ enum class RadialFunction {
   kWendlandC4            ///< "wendland-c4": (1 − t)⁶₊ (35t² + 18t + 3) / 3, order 0
 };
 
-/// The name given above. Throws ArgumentError for a name that is none of them, listing them.
+/// Function of a name given above. The ArgumentError for an unknown name lists all.
 RadialFunction radial_function_of_name(std::string_view name);
 std::string_view name_of(RadialFunction function);
 
-/// One radial basis function with its scale, a length > 0 (interpolants with the first three do not
-/// depend on it).
+/// One radial basis function with its scale, a length > 0 (interpolants with the first three do not depend on it).
 class RadialKernel {
  public:
   /// Throws ArgumentError for a scale that is not positive and finite.
@@ -40,12 +40,12 @@ class RadialKernel {
 
   RadialFunction function() const { return function_; }
   double scale() const { return scale_; }
-  /// Zero from this distance on; infinite for all but Wendland's functions.
+  /// The function is zero from this distance on; infinite for all but Wendland's functions.
   double support() const { return is_compact() ? scale_ : std::numeric_limits<double>::infinity(); }
   bool is_compact() const {
     return function_ == RadialFunction::kWendlandC2 || function_ == RadialFunction::kWendlandC4;
   }
-  /// Order of conditional positive definiteness: polynomials of degree < order() belong to it.
+  /// Order of conditional positive definiteness: the interpolant needs polynomials of degree < order().
   int order() const {
     switch (function_) {
       case RadialFunction::kThinPlate:
@@ -59,7 +59,7 @@ class RadialKernel {
     }
   }
 
-  /// φ for a squared distance.
+  /// φ of a squared distance.
   double operator()(double r2) const {
     const double t2 = r2 * inverse_square_;
     switch (function_) {
@@ -88,7 +88,7 @@ class RadialKernel {
     }
     return 0;
   }
-  /// φ and φ'/r. At r = 0, where t and t² log t have no slope, it is 0.
+  /// φ and φ'/r. At r = 0, where t and t² log t have no derivative, the slope is 0.
   RadialValue with_slope(double r2) const;
 
  private:
@@ -100,17 +100,17 @@ class RadialKernel {
 /// Weights of moving least squares; t = r / radius, zero for t >= 1.
 enum class WeightFunction {
   kCompact,   ///< "compact": (1 − t²)⁴, three continuous derivatives
-  kWendland,  ///< "wendland": (1 − t)⁴ (4t + 1), two
-  kGaussian   ///< "gaussian": exp(−9t²) − exp(−9), continuous; its slope jumps by 0.2 % of the peak at the end
+  kWendland,  ///< "wendland": (1 − t)⁴ (4t + 1), two continuous derivatives
+  kGaussian   ///< "gaussian": exp(−9t²) − exp(−9), continuous; its slope jumps by 0.2 % of the peak at t = 1
 };
 WeightFunction weight_function_of_name(std::string_view name);
 std::string_view name_of(WeightFunction function);
-/// The weight and its slope for a squared distance and a radius > 0.
+/// Weight and slope for a squared distance and a radius > 0.
 RadialValue weight(WeightFunction function, double r2, double radius);
 
-/// The generating function of approximate moving least squares in `dimension` variables,
-///   φ(ρ) = (ε/π)^{s/2} L_d^{(s/2)}(ρ) exp(−ρ),  ρ = ε r² / h²,  order 2d + 2
-/// (METHODS §1.4; mazya2001, fasshauer2007book): its moments up to 2d + 1 are those of a delta function.
+/// Generating function of approximate moving least squares in `dimension` variables,
+///   φ(ρ) = (ε/π)^{s/2} L_d^{(s/2)}(ρ) exp(−ρ), ρ = ε r² / h², order 2d + 2
+/// (mazya2001, fasshauer2007book). Its moments up to 2d + 1 are those of a delta function.
 class LaguerreGaussian {
  public:
   /// dimension 1..3, order 2, 4 or 6, shape ε > 0, spacing h > 0; ArgumentError otherwise.
@@ -130,7 +130,7 @@ class LaguerreGaussian {
     const double e = scale_ * std::exp(-r2 * factor_);
     return {e, -2 * factor_ * e};
   }
-  /// The distance from which on |φ| stays below `fraction` (in (0, 1)) of φ(0).
+  /// Distance beyond which |φ| stays below `fraction` (in (0, 1)) of φ(0).
   double cutoff(double fraction) const;
 
  private:

@@ -32,7 +32,7 @@ GeneratingMatrix generating_matrix(const SampleIndex<D>& samples, const Laguerre
   k.absolute_sum.assign(n, 0.0);
   using Hit = typename SampleIndex<D>::Hit;
 
-  // A sample of rows tells whether the whole can be held.
+  // The entries of some rows estimate whether the matrix fits.
   const std::size_t probes = std::min<std::size_t>(n, 64);
   double expected = 0;
   for (std::size_t i = 0; i < probes; ++i) {
@@ -47,7 +47,7 @@ GeneratingMatrix generating_matrix(const SampleIndex<D>& samples, const Laguerre
   };
   if (expected * static_cast<double>(n) > 4 * static_cast<double>(max_entries)) too_many();
 
-  // Rows in blocks, each built by one thread and put in its place afterwards.
+  // One thread builds a block of rows; the blocks are concatenated afterwards.
   constexpr std::size_t kBlock = 1024;
   struct Block {
     std::vector<std::uint32_t> column;

@@ -1,4 +1,4 @@
-// The sparse matrix K = (φ_j(x_i)) of approximate moving least squares and what it is divided by.
+// Sparse matrix K = (φ_j(x_i)) of approximate moving least squares and its divisors.
 #pragma once
 
 #include <cmath>
@@ -12,14 +12,14 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// max(S, 0.55 T): with it every absolute row sum is below 1/0.55 < 2 and, φ being positive definite, the eigenvalues
-/// of the divided matrix lie in (0, 2): the iteration converges. The reciprocal, or 0 where there is nothing.
+/// Reciprocal of max(S, 0.55 T), or 0 where both vanish. With this divisor each absolute row sum is below 1/0.55 < 2.
+/// As φ is positive definite, the eigenvalues of the divided matrix are in (0, 2) and the iteration converges.
 inline double inverse_divisor(double gaussian_sum, double absolute_sum) {
   const double divisor = std::max(gaussian_sum, 0.55 * absolute_sum);
   return std::isnormal(1 / divisor) && divisor > 0 ? 1 / divisor : 0;
 }
 
-/// Compressed sparse rows, symmetric.
+/// Symmetric matrix in compressed sparse rows.
 struct GeneratingMatrix {
   std::vector<std::size_t> row;
   std::vector<std::uint32_t> column;

@@ -45,7 +45,7 @@ MovingLeastSquares<D>::MovingLeastSquares(std::span<const Position<D>> positions
   } else {
     const std::size_t k =
         options.neighbours ? *options.neighbours : 3 * static_cast<std::size_t>(monomial_count(D, options.degree)) + 5;
-    const double least = 0.5 * index_.spacing();  // for samples that coincide with all of their neighbours
+    const double least = 0.5 * index_.spacing();  // for samples that coincide with all their neighbours
     radii_.resize(n);
     parallel_ranges(0, n, 256, [&](std::size_t first, std::size_t last) {
       std::vector<typename SampleIndex<D>::Hit> hits;
@@ -54,13 +54,13 @@ MovingLeastSquares<D>::MovingLeastSquares(std::span<const Position<D>> positions
         index_.nearest(positions[i], k + 1, hits);
         double r2 = 0;
         for (const auto& hit : hits) r2 = std::max(r2, hit.squared_distance);
-        // Fewer samples than neighbours wanted: reach beyond the furthest.
+        // With fewer samples than neighbours the radius exceeds the distance of the farthest.
         const double reach = hits.size() < k + 1 ? 2 : 1;
         radii_[i] = r2 > 0 ? reach * std::sqrt(r2) : least;
       }
     });
   }
-  // Layers of half an octave each.
+  // Each layer spans half an octave of radii.
   std::map<int, std::vector<std::uint32_t>> by_radius;
   for (std::size_t i = 0; i < n; ++i) {
     int octave = 0;
@@ -113,8 +113,8 @@ void MovingLeastSquares<D>::evaluate_one(const Position<D>& x, Scratch& s, doubl
   for (std::size_t k = 0; k < D; ++k) samples.positions[k] = s.positions[k];
   samples.values = s.values;
   samples.weights = s.weights;
-  // The weights fall so fast that their mass lies within this part of the radius: norms then do not shrink from one
-  // degree to the next, which would look like cancellation.
+  // The weights decrease so fast that most of their mass is within this part of the radius. With this scale norms do
+  // not shrink from one degree to the next, which would look like cancellation.
   s.fit.reset(samples, ApproximationFrame<D>{x, reach > 0 ? 0.35 * std::sqrt(reach) : 1});
   degree = 0;
   while (degree < options_.degree && static_cast<std::size_t>(monomial_count(D, degree + 1)) <= n) ++degree;
@@ -123,8 +123,8 @@ void MovingLeastSquares<D>::evaluate_one(const Position<D>& x, Scratch& s, doubl
     value = s.fit.value(x);
     return;
   }
-  // The polynomial's own derivative, and that of the minimum with respect to the weights: with the residuals r_i,
-  // Σ_j ψ_j(x) ⟨∂w/w · r, ψ_j⟩ / ⟨ψ_j, ψ_j⟩.
+  // The derivative of the polynomial, plus that of the minimum with respect to the weights: with the residuals r_i, Σ_j
+  // ψ_j(x) ⟨∂w/w · r, ψ_j⟩ / ⟨ψ_j, ψ_j⟩.
   const ValueAndGradient<D> p = s.fit.value_and_gradient(x);
   value = p.value;
   *gradient = p.gradient;
@@ -149,7 +149,7 @@ void MovingLeastSquares<D>::evaluate(std::span<const Position<D>> x, std::span<d
                                      std::span<Position<D>> gradients, std::span<std::int8_t> degrees) const {
   if (values.size() != x.size() || !(gradients.empty() || gradients.size() == x.size()) ||
       !(degrees.empty() || degrees.size() == x.size()))
-    throw ArgumentError("approximation: room for the values, gradients and degrees of all points is needed");
+    throw ArgumentError("approximation: the sizes of values, gradients and degrees must match the number of points");
   parallel_ranges(0, x.size(), 64, [&](std::size_t first, std::size_t last) {
     Scratch scratch(options_.rank_tolerance);
     for (std::size_t i = first; i < last; ++i) {

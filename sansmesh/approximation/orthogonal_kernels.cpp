@@ -2,7 +2,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/approximation/orthogonal_kernels.cpp"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, as Highway requires.
+// Must follow foreach_target.h (Highway).
 #include <hwy/highway.h>
 
 #include "sansmesh/approximation/orthogonal_kernels.h"
@@ -12,7 +12,7 @@ namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// No fused multiply-add: its rounding would differ from that of machines without it.
+// No fused multiply-add: its rounding would differ from that of instruction sets without it.
 using Tag = hn::CappedTag<double, kRowLanes>;
 using V = hn::Vec<Tag>;
 constexpr std::size_t kWidth = hn::MaxLanes(Tag());

@@ -1,12 +1,11 @@
-// The loops over samples of the orthogonal polynomials; SIMD inside, same result on every instruction set.
+// Kernels of the orthogonal polynomials: SIMD loops over samples with the same result on every instruction set.
 #pragma once
 
 #include <cstddef>
 
 namespace sansmesh::inline v1::detail {
 
-/// Rows are padded with zeros to a multiple of this: eight partial sums make the result independent of the width of
-/// the machine's vectors.
+/// Rows are padded with zeros to a multiple of this. Eight partial sums make the result independent of the SIMD width.
 constexpr std::size_t kRowLanes = 8;
 
 /// out[i] = x[i] · row[i] for i < n, and dots[c] = Σ out[i] · others[c][i]. n is a multiple of kRowLanes; `out`

@@ -10,13 +10,13 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-// A squared norm that shrinks below this fraction of the predecessor's has lost digits to cancellation: its row is made
-// orthogonal once more.
+// A squared norm below this fraction of the predecessor's has lost digits to cancellation: its row is orthogonalised
+// again.
 constexpr double kCancellation = 1e-4;
 
 void require_finite(std::span<const double> x, const char* what) {
   double t = 0;
-  for (const double v : x) t += v - v;  // 0, or NaN if any is infinite or NaN
+  for (const double v : x) t += v - v;  // 0, or NaN if any value is infinite or NaN
   if (t != 0) throw ArgumentError(std::string("approximation: ") + what + " that are not finite numbers");
 }
 
@@ -71,7 +71,7 @@ void OrthogonalFit<D>::reset(const ApproximationSamples<D>& samples,
     u_[k].assign(stride_, 0.0);
     for (std::size_t i = 0; i < n; ++i) u_[k][i] = (samples.positions[k][i] - frame_.center[k]) * factor;
   }
-  // The root of the weight goes into the rows: then inner products are plain dot products.
+  // Rows contain the square root of the weight, so that inner products are plain dot products.
   rows_.resize(std::max(rows_.size(), stride_));
   residual_.assign(stride_, 0.0);
   std::fill_n(rows_.begin(), stride_, 0.0);
@@ -131,7 +131,8 @@ bool OrthogonalFit<D>::add_polynomial() {
   return finish(norm, dot, norm_[p]);
 }
 
-// Rare: the products that the savings take for zero or known are so only up to rounding, and rounding is what is left.
+// Rarely needed: the products that the savings take for zero or known are so only up to rounding, and here only
+// rounding remains.
 template <int D>
 void OrthogonalFit<D>::orthogonalize_again(int j, double* norm, double* dot) {
   const double reference = norm_[static_cast<std::size_t>(order_[j].predecessor)];
@@ -246,10 +247,11 @@ template <int D>
 void OrthogonalFit<D>::monomial_coefficients(std::span<const double> orthogonal, std::span<double> coefficients) const {
   const std::size_t n = orthogonal.size();
   if (n > static_cast<std::size_t>(size_))
-    throw ArgumentError("approximation: there are no more than size() polynomials");
-  if (coefficients.size() < n) throw ArgumentError("approximation: room for all monomial coefficients is needed");
+    throw ArgumentError("approximation: there must be at most size() polynomials");
+  if (coefficients.size() < n)
+    throw ArgumentError("approximation: there must be at least size() monomial coefficients");
   std::fill(coefficients.begin(), coefficients.end(), 0.0);
-  // Row j: ψ_j in monomials, entries 0 .. j, again a triangle.
+  // Row j holds ψ_j in monomials, entries 0 .. j: a triangle.
   thread_local std::vector<double> rows;
   const auto start = [](std::size_t j) { return j * (j + 1) / 2; };
   rows.assign(start(n), 0.0);

@@ -1,5 +1,5 @@
-// Weighted least squares with polynomials that are orthogonal on the samples: no system to solve, and a higher degree
-// reuses all that a lower one computed (METHODS §1.3; Bartels & Jezioranski 1985, bartels1985; tejada2008 ch. 3).
+// Weighted least squares with polynomials that are orthogonal on the samples: no linear system, and a higher degree
+// reuses all results of a lower one (bartels1985, weisfeld1959; tejada2008, ch. 3).
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Samples f_i at x_i with weights w_i >= 0 (empty: all 1), a structure of arrays of equal lengths.
+/// Samples f_i at x_i with weights w_i >= 0 (empty: all 1), as a structure of arrays of equal lengths.
 template <int D>
 struct ApproximationSamples {
   std::array<std::span<const double>, D> positions;
@@ -20,7 +20,7 @@ struct ApproximationSamples {
   std::span<const double> weights = {};
 };
 
-/// Coordinates that the polynomials are built in: u = (x − center) / scale. They work best if u covers [−1, 1].
+/// Coordinates of the polynomials: u = (x − center) / scale. Conditioning is best if u covers [−1, 1].
 template <int D>
 struct ApproximationFrame {
   std::array<double, D> center{};
@@ -28,8 +28,8 @@ struct ApproximationFrame {
 };
 
 struct OrthogonalFitOptions {
-  /// A polynomial whose norm on the samples is at most this fraction of its predecessor's is taken to vanish there: it
-  /// is dropped. Dimensionless, in (0, 1).
+  /// A polynomial is dropped if its norm on the samples is at most this fraction of its predecessor's. Dimensionless,
+  /// in (0, 1).
   double rank_tolerance = 1e-6;
 };
 
@@ -39,7 +39,7 @@ struct ValueAndGradient {
   std::array<double, D> gradient{};
 };
 
-/// The least-squares approximation g = Σ c_j ψ_j of samples in D = 1, 2 or 3 variables, grown one polynomial at a time
+/// Least-squares approximation g = Σ c_j ψ_j of samples in D = 1, 2 or 3 variables, extended one polynomial at a time
 /// in the order of PolynomialOrder. ψ_0 = 1, ψ_j = u_k ψ_{j'} − Σ_l α_jl ψ_l, orthogonal for ⟨a, b⟩ = Σ_i w_i a(u_i)
 /// b(u_i).
 ///
@@ -47,12 +47,12 @@ struct ValueAndGradient {
 ///     fit.reset(samples);
 ///     while (fit.raise() && fit.squared_error() > limit) {}
 ///
-/// Keep one object per thread and reset() it: its memory is reused, nothing is allocated once it has seen its largest
-/// fit. Results are the same bit for bit on every instruction set.
+/// Keep one object per thread and reset() it: its memory is reused, and nothing is allocated after its largest fit.
+/// Results are identical bit for bit on every instruction set.
 ///
-/// Samples that cannot tell polynomials apart (on a line, in a plane, too few, coincident) are no error: a polynomial
-/// that vanishes on them is dropped, with coefficient 0, and so are its successors; the rest is the least-squares
-/// solution over the polynomials that remain.
+/// Samples that do not separate polynomials (on a line, in a plane, too few, coincident) are no error: a polynomial
+/// that vanishes on them is dropped with coefficient 0, and so are its successors. The result is the least-squares
+/// solution over the remaining polynomials.
 template <int D>
 class OrthogonalFit {
  public:
@@ -61,24 +61,24 @@ class OrthogonalFit {
   /// Throws ArgumentError for a tolerance out of range.
   explicit OrthogonalFit(OrthogonalFitOptions options = {});
 
-  /// Starts again with other samples and no polynomial. They are copied. Without a frame: centre and half the longest
+  /// Starts again with no polynomial and a copy of other samples. The default frame is the centre and half the longest
   /// edge of the samples' bounding box. Throws ArgumentError for arrays of different lengths, values that are not
   /// finite, negative weights and a scale that is not positive.
   void reset(const ApproximationSamples<D>& samples, const std::optional<ApproximationFrame<D>>& frame = std::nullopt);
 
   /// Adds the next polynomial. False: it was dropped, or the highest degree is complete (then size() stays).
   bool add_polynomial();
-  /// Adds polynomials up to the end of the next row, so that degree() grows by one. False: none of them was kept, or
-  /// the highest degree is complete. Then no higher degree would add anything either.
+  /// Adds the polynomials of the next row, which increments degree(). False: all of them were dropped, or the highest
+  /// degree is complete. Then no higher degree would add a polynomial either.
   bool raise();
 
-  /// Degree up to which all polynomials were added; −1 before the first.
+  /// Highest degree whose polynomials are all added; −1 before the first.
   int degree() const;
   /// Number of polynomials added, dropped ones included.
   int size() const { return size_; }
   /// Number of polynomials kept.
   int rank() const { return size_ - static_cast<int>(dropped_.size()); }
-  /// Indices of those dropped, ascending.
+  /// Indices of the dropped polynomials, ascending.
   std::span<const int> dropped() const { return dropped_; }
   bool is_dropped(int j) const { return inverse_norm_[static_cast<std::size_t>(j)] == 0; }
 
@@ -106,14 +106,14 @@ class OrthogonalFit {
   double value(const std::array<double, D>& x) const;
   /// g(x) and its gradient with respect to x.
   ValueAndGradient<D> value_and_gradient(const std::array<double, D>& x) const;
-  /// ψ_j(x) for j < size(), on the samples (nearly) 0 where dropped. `values` has size() entries.
+  /// ψ_j(x) for j < size(); dropped ones are (nearly) 0 on the samples. `values` has size() entries.
   void basis(const std::array<double, D>& x, std::span<double> values) const;
 
   /// Coefficients of g as a polynomial in u: g(x) = Σ_j a_j monomial_j((x − center) / scale), exponents in
-  /// PolynomialOrder. Writes the first size() entries; `coefficients` is at least as long (ArgumentError), the rest is
-  /// set to 0.
+  /// PolynomialOrder. Writes the first size() entries of `coefficients` and sets the rest to 0; throws ArgumentError if
+  /// it is shorter.
   void monomial_coefficients(std::span<double> coefficients) const;
-  /// The same of Σ_j orthogonal[j] ψ_j, with as many terms as `orthogonal` has, at most size().
+  /// The same for Σ_j orthogonal[j] ψ_j, with as many terms as `orthogonal` has, at most size().
   void monomial_coefficients(std::span<const double> orthogonal, std::span<double> coefficients) const;
 
  private:
@@ -126,7 +126,7 @@ class OrthogonalFit {
   OrthogonalFitOptions options_;
   ApproximationFrame<D> frame_;
   std::size_t count_ = 0;
-  std::size_t stride_ = 0;  // samples, rounded up to whole SIMD lanes; the pad is 0
+  std::size_t stride_ = 0;  // number of samples, rounded up to whole SIMD lanes; the padding is 0
   std::array<std::vector<double>, D> u_;
   std::vector<double> rows_;  // √w_i ψ_j(u_i), row j
   std::vector<double> residual_;

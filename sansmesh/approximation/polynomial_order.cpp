@@ -17,7 +17,7 @@ PolynomialOrder<D>::PolynomialOrder() {
   steps_.resize(1);
   index[steps_[0].exponent] = 0;
 
-  // Row after row, range after range. range[k] is where the range of x_k starts in the row before.
+  // Row by row, range by range. range[k] is the start of x_k's range in the previous row.
   std::array<int, D> range{};
   int row_end = 1;
   for (int degree = 1; degree <= kMaxDegree; ++degree) {
@@ -46,7 +46,7 @@ PolynomialOrder<D>::PolynomialOrder() {
       product_[static_cast<std::size_t>(k)].push_back(index.at(exponent));
     }
 
-  // What each step can take over from earlier ones: products are symmetric in (l, j') for the same variable.
+  // Products that a step reuses from earlier steps: they are symmetric in (l, j') for the same variable.
   std::map<std::tuple<int, int, int>, std::uint32_t> known;
   slots_.assign(1, 0);
   for (int j = 1; j < static_cast<int>(steps_.size()); ++j) {

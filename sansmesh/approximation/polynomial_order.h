@@ -1,4 +1,4 @@
-// The order in which polynomials in one to three variables are made orthogonal, and what each step has to compute.
+// Order in which polynomials in one to three variables are orthogonalised, and the inner products of each step.
 #pragma once
 
 #include <array>
@@ -14,17 +14,17 @@ constexpr int monomial_count(int dimension, int degree) {
   return dimension == 2 ? triangle : triangle * (degree + 3) / 3;
 }
 
-/// The triangle of Bartels & Jezioranski (bartels1985; METHODS §1.3): row d holds the monomials of degree d and is cut
-/// into one range per variable; the range of x_k holds the products of x_k with the ranges k, k+1, … of the row before.
-/// Indices count from 0, rows one after the other: 1 | x₁ x₂ | x₁² x₁x₂ x₂² | … This is an order that multiplication
-/// preserves (a before b implies x_k·a before x_k·b), on which both savings rest.
+/// Triangle of monomials of Bartels & Jezioranski (bartels1985): row d holds the monomials of degree d and is divided
+/// into one range per variable. The range of x_k holds the products of x_k with the ranges k, k+1, … of the previous
+/// row. Indices count from 0, row by row: 1 | x₁ x₂ | x₁² x₁x₂ x₂² | … Multiplication preserves this order (a before b
+/// implies x_k·a before x_k·b), and both savings rest on that.
 template <int D>
 class PolynomialOrder {
  public:
   static constexpr int kMaxDegree = 8;
   static constexpr int kSize = monomial_count(D, kMaxDegree);
 
-  /// One inner product ⟨x_k ψ_{j'}, ψ_l⟩ that the recurrence of ψ_j needs.
+  /// One inner product ⟨x_k ψ_{j'}, ψ_l⟩ in the recurrence of ψ_j.
   enum class Source : std::uint8_t {
     kComputed,  ///< no earlier step has computed it
     kReused,    ///< ⟨x_k ψ_l, ψ_{j'}⟩ was computed for the polynomial whose predecessor is l
@@ -32,7 +32,7 @@ class PolynomialOrder {
   };
   struct Term {
     Source source;
-    std::uint32_t slot;  ///< where the product is kept (kComputed, kReused)
+    std::uint32_t slot;  ///< index of the stored product (kComputed, kReused)
   };
 
   struct Step {
@@ -40,13 +40,13 @@ class PolynomialOrder {
     int degree = 0;
     int variable = 0;     ///< k with monomial(j) = x_k · monomial(predecessor); 0 for j = 0
     int predecessor = 0;  ///< j'; 0 for j = 0
-    /// Lowest l with a coefficient alpha_jl that need not vanish: all l with x_k·monomial(l) before monomial(j') drop
+    /// Lowest l with a coefficient alpha_jl that need not vanish. All l with x_k·monomial(l) before monomial(j') drop
     /// out, since ⟨x_k ψ_{j'}, ψ_l⟩ = ⟨ψ_{j'}, x_k ψ_l⟩. These include all l below the predecessor of j'.
     int first = 0;
     std::vector<Term> terms;  ///< for l = first .. j − 1
   };
 
-  /// The one table for this number of variables.
+  /// Shared table for this number of variables.
   static const PolynomialOrder& get();
 
   const Step& operator[](int j) const { return steps_[static_cast<std::size_t>(j)]; }

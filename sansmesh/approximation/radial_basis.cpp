@@ -38,7 +38,7 @@ void check(std::span<const Position<D>> positions, std::span<const double> value
                         "' has no compact support: sparse systems need wendland-c2 or wendland-c4");
 }
 
-// Samples without coincident ones; `values` become means.
+// Merges coincident samples; their `values` become means.
 template <int D>
 std::size_t merge(std::vector<Position<D>>& x, std::vector<double>& values) {
   std::vector<std::uint32_t> order(x.size());
@@ -129,7 +129,7 @@ RbfInterpolant<D>::RbfInterpolant(std::span<const Position<D>> positions, std::s
   check<D>(positions, values, options);
   std::vector<Position<D>> x(positions.begin(), positions.end());
   std::vector<double> f(values.begin(), values.end());
-  SampleIndex<D> index(x);  // refuses what is not finite
+  SampleIndex<D> index(x);  // rejects values that are not finite
   report_.merged = merge<D>(x, f);
   if (report_.merged > 0) index = SampleIndex<D>(x);
   report_.scale = options.scale ? *options.scale : default_scale(options.function, D, index.spacing());
@@ -198,7 +198,7 @@ template <int D>
 void RbfInterpolant<D>::evaluate(std::span<const Position<D>> x, std::span<double> values,
                                  std::span<Position<D>> gradients) const {
   if (values.size() != x.size() || !(gradients.empty() || gradients.size() == x.size()))
-    throw ArgumentError("approximation: room for the values and gradients of all points is needed");
+    throw ArgumentError("approximation: the sizes of values and gradients must match the number of points");
   const State& state = *state_;
   const bool local = report_.solver == RbfSolver::kLocal, compact = !local && state.kernel.is_compact();
   parallel_ranges(0, x.size(), 16, [&](std::size_t first, std::size_t last) {

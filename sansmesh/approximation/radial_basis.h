@@ -1,4 +1,4 @@
-// Interpolation with radial basis functions and a polynomial (METHODS §1.1; wendland2004).
+// Interpolation with radial basis functions and a polynomial (wendland2004).
 #pragma once
 
 #include <cstddef>
@@ -14,10 +14,10 @@
 namespace sansmesh::inline v1 {
 
 enum class RbfSolver {
-  kAutomatic,  ///< kDense up to 1,500 samples; beyond, kSparse for Wendland's functions and kLocal for all others
+  kAutomatic,  ///< kDense up to 1,500 samples; with more, kSparse for Wendland's functions and kLocal for all others
   kDense,      ///< one system of all samples by Cholesky; O(n³), at most kMaxDense samples
   kSparse,     ///< the same for Wendland's functions by preconditioned conjugate gradients
-  kLocal       ///< many small systems, blended by a partition of unity: O(n) (babuska1997, cavoretto2016)
+  kLocal       ///< many small systems blended by a partition of unity: O(n) (babuska1997, cavoretto2016)
 };
 
 struct RbfOptions {
@@ -26,37 +26,38 @@ struct RbfOptions {
   /// multiquadrics and Gaussians, times 16, 8 and 4 in one, two and three variables for Wendland's functions (their
   /// support: 32, 200 and 270 samples), times 1 for the others.
   std::optional<double> scale = {};
-  /// Degree of the polynomial that is added, −1 (none) to 2, at least RadialKernel::order() − 1. Unset: 1.
+  /// Degree of the added polynomial, −1 (none) to 2, at least RadialKernel::order() − 1. Unset: 1.
   std::optional<int> degree = {};
-  /// λ >= 0, dimensionless, added to the diagonal: 0 interpolates, more smooths. |φ(0)| is 1, or 0 for the first three
-  /// functions, where λ counts in units of φ at about the distance of the scale.
+  /// λ >= 0, dimensionless, added to the diagonal: 0 interpolates, larger values smooth. |φ(0)| is 1; for the first
+  /// three functions it is 0, and λ is in units of φ near the distance of the scale.
   double ridge = 0;
   RbfSolver solver = RbfSolver::kAutomatic;
-  /// kLocal: least number of samples per system (if there are that many), 10 to 400.
+  /// kLocal: least number of samples per system (if available), 10 to 400.
   std::size_t local_samples = 50;
-  /// kSparse: the residual relative to the values at which the iteration ends, in (0, 1).
+  /// kSparse: residual relative to the values at which the iteration ends, in (0, 1).
   double tolerance = 1e-10;
   int max_iterations = 2000;
 };
 
-/// What fitting did; nothing of it is an error.
+/// Statistics of the fit; none of them is an error.
 struct RbfReport {
   RbfSolver solver = RbfSolver::kDense;
-  double scale = 0;             ///< scale of the function
-  std::size_t merged = 0;       ///< samples that coincide with an earlier one: their values were averaged
-  int dropped_polynomials = 0;  ///< that vanish on the samples (coplanar, too few); the largest number of all systems
-  double added_ridge = 0;       ///< what had to be added to λ for a system to be solvable; the largest of all systems
-  int iterations = 0;           ///< of conjugate gradients
-  double residual = 0;          ///< of conjugate gradients, relative
-  std::size_t systems = 1;      ///< kLocal: how many
+  double scale = 0;        ///< scale of the function
+  std::size_t merged = 0;  ///< samples that coincide with an earlier one; values are averaged
+  int dropped_polynomials =
+      0;  ///< polynomials that vanish on the samples (coplanar, too few); largest number of all systems
+  double added_ridge = 0;   ///< increment of λ that made a system solvable; largest of all systems
+  int iterations = 0;       ///< iterations of conjugate gradients
+  double residual = 0;      ///< relative residual of conjugate gradients
+  std::size_t systems = 1;  ///< kLocal: number of systems
 };
 
 /// f(x) = Σ_i c_i φ(‖x − x_i‖) + p(x), Σ_i c_i q(x_i) = 0 for all polynomials q of p's degree. Interpolates (λ = 0) and
 /// reproduces polynomials of that degree. Results do not depend on the number of threads.
 ///
 /// kLocal covers the samples' box by balls around the cells of an adaptive subdivision, interpolates the samples of
-/// each ball and blends: the result interpolates as well, has continuous first derivatives as far as φ has, and needs
-/// linear time, but far from samples it is not that of the system of all. Beyond the box by more than a tenth of its
+/// each ball and blends. The result interpolates too, has continuous first derivatives if φ has, and needs linear time,
+/// but far from samples it differs from the solution of the full system. Beyond the box by more than a tenth of its
 /// size the weights are those of the nearest point of the enlarged box.
 template <int D>
 class RbfInterpolant {
@@ -64,16 +65,16 @@ class RbfInterpolant {
   static constexpr std::size_t kMaxDense = 4000;
 
   /// Throws ArgumentError for options out of range, for kSparse without compact support and for kDense with more than
-  /// kMaxDense samples, DataError for no samples and positions or values that are not finite, where more than 2^30
-  /// pairs of samples lie within the support, and where conjugate gradients do not reach the tolerance.
+  /// kMaxDense samples. Throws DataError for no samples, for positions or values that are not finite, for more than
+  /// 2^30 pairs of samples within the support, and if conjugate gradients do not reach the tolerance.
   RbfInterpolant(std::span<const Position<D>> positions, std::span<const double> values,
                  const RbfOptions& options = {});
   ~RbfInterpolant();
   RbfInterpolant(RbfInterpolant&&) noexcept;
   RbfInterpolant& operator=(RbfInterpolant&&) noexcept;
 
-  /// Values, and gradients where asked for (empty or one per point). NaN at points that are not finite. Throws
-  /// ArgumentError for spans of other lengths.
+  /// Values, and gradients on request (empty or one per point). NaN at points that are not finite. Throws ArgumentError
+  /// for spans of other lengths.
   void evaluate(std::span<const Position<D>> x, std::span<double> values, std::span<Position<D>> gradients = {}) const;
 
   const RbfReport& report() const { return report_; }

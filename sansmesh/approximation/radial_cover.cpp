@@ -9,7 +9,7 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kOverlap = 1.25;  ///< radius of a ball over that of the cell's circumsphere
+constexpr double kOverlap = 1.25;  ///< ratio of a ball's radius to that of its cell's circumsphere
 constexpr int kMaxDepth = 90;
 constexpr std::size_t kMaxFactor = 8;
 
@@ -23,7 +23,7 @@ RadialCover<D>::RadialCover(const SampleIndex<D>& samples, std::size_t local_sam
   const double margin = extent > 0 ? 0.1 * extent : 1;
   for (std::size_t k = 0; k < D; ++k) lower_[k] -= margin, upper_[k] += margin;
 
-  // Cells as ranges of `order`, depth first; nodes_ in the order of the cells.
+  // Cells are ranges of `order`, depth first; nodes_ is in the order of the cells.
   struct Cell {
     Position<D> lower, upper;
     std::size_t first, last;
@@ -76,7 +76,7 @@ RadialCover<D>::RadialCover(const SampleIndex<D>& samples, std::size_t local_sam
     stack.push_back(left);
     stack.push_back(right);
   }
-  // Children come after their parents.
+  // Reverse order visits children before their parents.
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     Node& node = nodes_[n];
     for (std::size_t k = 0; k < D; ++k) {

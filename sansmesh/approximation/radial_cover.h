@@ -1,5 +1,5 @@
-// A cover of the samples' box by balls that hold a bounded number of samples each, with weights that blend what is
-// known in each ball: the partition of unity of local interpolation.
+// Cover of the samples' box by balls that hold a bounded number of samples each, with blending weights: the partition
+// of unity of local interpolation.
 #pragma once
 
 #include <cstddef>
@@ -29,13 +29,13 @@ class RadialCover {
   RadialCover(const SampleIndex<D>& samples, std::size_t local_samples);
 
   const std::vector<Ball>& balls() const { return balls_; }
-  /// The samples in a ball, or the nearest `local_samples` to its centre where there are fewer.
+  /// The samples in a ball, or the `local_samples` nearest to its centre if the ball holds fewer.
   void members(std::size_t ball, const SampleIndex<D>& samples, std::vector<std::uint32_t>& out) const;
   /// Balls with a positive weight at x (at the nearest point of the box for x outside); at least one.
   void find(const Position<D>& x, std::vector<Part>& out) const;
 
  private:
-  // Boxes around the balls below; `ball` for a leaf.
+  // Bounding box of the balls below; `ball` for a leaf.
   struct Node {
     Position<D> lower, upper;
     std::int32_t left = -1, right = -1, ball = -1;

@@ -57,12 +57,12 @@ namespace {
 
 using Eigen::Index;
 
-/// Solves (A + λ) c + P b = f, Pᵀ c = 0; the same for any dimension, so that Eigen's part is compiled once. Overwrites
-/// a, to which λ has been added, and rhs, which is f.
+/// Solves (A + λ) c + P b = f, Pᵀ c = 0. Independent of the dimension, so that Eigen is compiled once. Overwrites a,
+/// which includes λ, and rhs, which is f.
 DenseResult solve_saddle(Eigen::MatrixXd& a, const Eigen::MatrixXd& p, Eigen::VectorXd& rhs, std::span<double> b,
                          std::span<double> c) {
   const Index n = a.rows();
-  // P = Q R up to a permutation of its columns; dependent ones are left out.
+  // P = Q R up to a permutation of its columns; dependent columns are omitted.
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr;
   Index rank = 0;
   if (p.cols() > 0) {
@@ -89,10 +89,10 @@ DenseResult solve_saddle(Eigen::MatrixXd& a, const Eigen::MatrixXd& p, Eigen::Ve
     double added = 0;
     for (double step = 1e-15 * unit;; step *= 100) {
       Eigen::LLT<Eigen::MatrixXd> llt(free_part);
-      // A factor whose diagonal spans 1e-8 comes from a matrix of condition 1e16.
+      // A factor whose diagonal spans 1e-8 belongs to a matrix of condition 1e16.
       if (llt.info() == Eigen::Success && llt.matrixLLT().diagonal().minCoeff() > 3e-8 * std::sqrt(unit)) {
         y.tail(free) = llt.solve(rhs.tail(free));
-        // One step of refinement: what is left of the residual is due to the condition.
+        // One step of refinement; the remaining residual is due to the condition.
         y.tail(free) += llt.solve(rhs.tail(free) - free_part * y.tail(free));
         break;
       }

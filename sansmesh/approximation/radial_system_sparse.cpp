@@ -13,7 +13,7 @@ namespace sansmesh::inline v1::detail {
 namespace {
 
 constexpr std::size_t kMaxEntries = std::size_t{1} << 30;
-constexpr std::size_t kBlock = 512;            ///< rows, fixed: sums do not depend on threads
+constexpr std::size_t kBlock = 512;            ///< rows; fixed, so that sums do not depend on the number of threads
 constexpr std::size_t kFactorNeighbours = 24;  ///< entries per row of the preconditioner
 
 struct Rows {
@@ -38,7 +38,7 @@ struct Rows {
         return multiply_by<0>(c, x, y);
     }
   }
-  // C right-hand sides; 0: c of them, up to 11.
+  // C right-hand sides at compile time; C = 0: c of them at run time, up to 11.
   template <std::size_t C>
   void multiply_by(std::size_t c, std::span<const double> x, std::span<double> y) const {
     const std::size_t count = C > 0 ? C : c;
@@ -71,7 +71,7 @@ struct Rows {
   }
 };
 
-// Rows, filled by `fill(i, columns, values)` in blocks.
+// Builds rows in blocks with `fill(i, columns, values)`.
 template <class Fill>
 Rows build_rows(std::size_t n, Fill&& fill) {
   Rows rows;
@@ -97,12 +97,12 @@ Rows build_rows(std::size_t n, Fill&& fill) {
   return rows;
 }
 
-// What Eigen does is the same for any dimension, and takes long to compile: once here, not in what follows.
+// Eigen code is independent of the dimension and slow to compile, so outside the templates.
 
 using Local = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kFactorNeighbours + 1, kFactorNeighbours + 1>;
 using LocalRow = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kFactorNeighbours + 1, 1>;
 
-/// The last row of the inverse of a symmetric matrix, which is overwritten; of the identity where there is none.
+/// Last row of the inverse of a symmetric matrix, which is overwritten; of the identity if it is singular.
 LocalRow last_of_inverse(Local& matrix) {
   const Eigen::Index last = matrix.rows() - 1;
   LocalRow y(matrix.rows());
@@ -110,7 +110,7 @@ LocalRow last_of_inverse(Local& matrix) {
   y[last] = 1;
   Eigen::LLT<Eigen::Ref<Local>> llt(matrix);
   if (llt.info() == Eigen::Success) llt.solveInPlace(y);
-  if (llt.info() != Eigen::Success || !(y[last] > 0) || !y.allFinite()) {  // nearly coincident: Jacobi
+  if (llt.info() != Eigen::Success || !(y[last] > 0) || !y.allFinite()) {  // nearly coincident samples: Jacobi
     y.setZero();
     y[last] = 1;
   }
@@ -118,7 +118,7 @@ LocalRow last_of_inverse(Local& matrix) {
 }
 
 /// Solves (Pᵀ A⁻¹ P) b = Pᵀ A⁻¹ f, c = A⁻¹ f − A⁻¹ P b. `b` holds f and P, `solution` A⁻¹ of these, 1 + tail columns
-/// each. Returns how many monomials were dropped.
+/// each. Returns the number of dropped monomials.
 int solve_tail(std::span<const double> b, std::span<const double> solution, std::span<double> tail,
                std::span<double> c) {
   const auto size = static_cast<Eigen::Index>(tail.size());
@@ -184,8 +184,8 @@ SparseResult solve_sparse(const RadialKernel& kernel, double ridge, const Sample
     throw DataError("approximation: the support holds about " + std::to_string(static_cast<long>(expected)) +
                     " samples: lower the scale");
 
-  // A, rows by index, nearest first; and the preconditioner from the nearest of those that come earlier in a random
-  // order: an approximate inverse G of the Cholesky factor, G A Gᵀ ≈ 1, exact on the pattern (kolotilina1993).
+  // Rows of A by index, nearest first. The preconditioner uses the nearest of those that precede in a random order: an
+  // approximate inverse G of the Cholesky factor, G A Gᵀ ≈ 1, exact on the pattern (kolotilina1993).
   const auto rank = [](std::size_t i) { return mixed_bits(i + 1); };
   const Rows a = build_rows(n, [&](std::size_t i, std::vector<std::uint32_t>& column, std::vector<double>& value) {
     thread_local std::vector<Hit> hits;
@@ -216,7 +216,7 @@ SparseResult solve_sparse(const RadialKernel& kernel, double ridge, const Sample
   });
   const Rows gt = g.transposed();
 
-  // Right-hand sides: the values, then the monomials; all at once, one pass over A for each step.
+  // The right-hand sides are the values, then the monomials: one pass over A serves all in each step.
   const std::size_t m = 1 + static_cast<std::size_t>(tail.size);
   std::vector<double> b(n * m), solution(n * m, 0.0), r, z(n * m), p, ap(n * m), t(n * m);
   for (std::size_t i = 0; i < n; ++i) {

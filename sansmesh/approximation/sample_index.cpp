@@ -10,7 +10,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-// Coordinates of the tree lie in [−1, 1], those of queries are clamped to ±3: rounding to float and the float
+// Coordinates in the tree are in [−1, 1], those of queries are clamped to ±3: errors by rounding to float and by float
 // arithmetic of a distance stay below this.
 constexpr double kSlack = 4e-6;
 constexpr std::size_t kSpacingSamples = 4096;
@@ -52,7 +52,7 @@ template <int D>
 void SampleIndex<D>::within(const Position<D>& x, double radius, std::vector<Hit>& out) const {
   thread_local std::vector<Neighbour> found;
   out.clear();
-  // A query outside the box is answered from where its ball enters it: float coordinates stay small.
+  // A query outside the box starts at the point where its ball enters the box, which keeps float coordinates small.
   double away = 0;
   Position<D> q;
   for (std::size_t k = 0; k < D; ++k) {
@@ -97,7 +97,7 @@ double SampleIndex<D>::spacing() const {
       distance[i] = std::sqrt(r2);
     }
   });
-  // Where D > 1 most samples of a small grid lie on its boundary, where neighbours are further away.
+  // For D > 1 most samples of a small grid are on its boundary, where neighbours are farther away.
   const std::size_t rank = distance.size() / (D == 1 ? 2 : 4);
   std::nth_element(distance.begin(), distance.begin() + static_cast<std::ptrdiff_t>(rank), distance.end());
   if (distance[rank] > 0) return distance[rank];

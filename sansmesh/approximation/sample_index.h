@@ -1,4 +1,4 @@
-// Neighbour queries on samples in D variables, exact in double precision although the tree below is in float.
+// Neighbour queries on samples in D variables, exact in double precision although the tree is in float.
 #pragma once
 
 #include <array>
@@ -22,9 +22,9 @@ double squared_distance(const Position<D>& a, const Position<D>& b) {
   return sum;
 }
 
-/// Samples with a tree over them, D = 1, 2, 3. Queries from any thread. The tree holds the positions relative to the
-/// middle of their box in units of its size, hence the offset of the coordinates costs no digits; samples nearer to
-/// each other than 1e-7 of the box are told apart by `within`, not by `nearest`.
+/// Samples with a tree over them, D = 1, 2, 3. Queries are thread-safe. The tree holds the positions relative to the
+/// middle of their box in units of its size, so an offset of the coordinates costs no digits. `within` separates
+/// samples closer than 1e-7 of the box, `nearest` does not.
 template <int D>
 class SampleIndex {
  public:
@@ -47,13 +47,13 @@ class SampleIndex {
   /// Replaces `out` by the min(k, size()) nearest samples, in the order of their distance rounded to float.
   void nearest(const Position<D>& x, std::size_t k, std::vector<Hit>& out) const;
 
-  /// Indices of the samples so that consecutive ones lie close together.
+  /// Indices of the samples in an order where consecutive ones are close together.
   std::span<const std::uint32_t> order() const { return tree_.order(); }
 
   /// Spacing h of the samples: the median (for D > 1 the lower quartile) over at most 4,096 of them of the distance to
-  /// their 2D-th neighbour. That is the spacing of a grid; for random samples of density n it is 0.84, 0.90 and
-  /// 1.00 n^(−1/D) for D = 1, 2, 3. Where neighbours coincide: the box's longest edge over the D-th root of the number
-  /// of samples; 1 if that vanishes too.
+  /// their 2D-th neighbour. On a grid that is the grid spacing; for random samples of density n it is 0.84, 0.90 and
+  /// 1.00 n^(−1/D) for D = 1, 2, 3. If neighbours coincide: the box's longest edge over the D-th root of the number of
+  /// samples, or 1 if that vanishes.
   double spacing() const;
 
  private:

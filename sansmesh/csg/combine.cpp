@@ -11,16 +11,15 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// More pairs of pieces than this are one piece together: their creases inside the blend are not resolved.
+/// With more pairs of pieces all are one piece: creases inside the blend are not resolved.
 constexpr std::uint64_t kMaxPairs = 1u << 16;
 
-/// Nodes of primitives that cost more than this use their box to tell how far they are: evaluating them would take
-/// longer.
+/// More expensive nodes of primitives estimate their distance by their box, because evaluation would take longer.
 constexpr double kCostly = 10;
-/// A survey with reach r need not tell beyond this many r how far a piece is alone. What makes blocks of half edge r
-/// has to know it up to half the diagonal and two cells more, at most 3.8 r.
+/// A survey with reach r is limited to this many r. The division of blocks of half edge r needs up to half the diagonal
+/// plus two cells, at most 3.8 r.
 constexpr double kSurveyed = 6;
-/// How fast the difference of two values can change whose slopes are 1 at most, and with it the weights of both.
+/// Lipschitz constant of the difference of two values whose slopes are at most 1, and so of their weights.
 constexpr double kSlopes = 2;
 
 bool bounded_anywhere(const Extents& e) {
@@ -37,7 +36,7 @@ class CombineNode final : public SolidNode {
 
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                 std::span<std::uint32_t> active) const override {
-    // The cheaper child goes first: where it is far below what the other can be, the other is not asked.
+    // The cheaper child is evaluated first: where its value is far below the bound of the other, the other is skipped.
     const bool swapped = b_->cost() < a_->cost();
     const SolidNode& first = swapped ? *b_ : *a_;
     const SolidNode& second = swapped ? *a_ : *b_;
@@ -84,7 +83,7 @@ class CombineNode final : public SolidNode {
       a_->evaluate(x, values, gradients, {});
       b_->evaluate(x, other, slope, {});
     }
-    // The blend's polynomial goes on beyond its ends: smooth, which the blend with its ends is not.
+    // A piece is the blend's polynomial without its ends, which is smooth beyond them; the blend with its ends is not.
     for (std::size_t i = 0; i < x.size(); ++i) {
       const double a = values[i], b = other[i];
       values[i] = (a + b) / 2 - sign_ * (radius_ * radius_ + (a - b) * (a - b)) / (4 * radius_);
@@ -100,8 +99,8 @@ class CombineNode final : public SolidNode {
     const SolidNode& first = swapped ? *b_ : *a_;
     const SolidNode& second = swapped ? *a_ : *b_;
     first.survey(x, reach, values, around, ranges);
-    // How far apart both values must be, for the second not to matter: within the reach each changes by no more than
-    // that, or lies in its range.
+    // Difference of the values for which the second is irrelevant: within the reach each changes by at most that, or is
+    // in its range.
     const double room = lipschitz() ? kSurveyed * reach.detail * kSlopes : 0;
     if (!lipschitz()) by_slope(first, values, reach.alone, ranges);
     const auto highest = [&](std::size_t i) {
@@ -122,7 +121,7 @@ class CombineNode final : public SolidNode {
         around[i].alone = std::min(around[i].alone, (gap - radius_) / kSlopes);
         continue;
       }
-      const double gap = sign_ * (value[j] - values[i]);  // below 0: the second one counts
+      const double gap = sign_ * (value[j] - values[i]);  // below 0: the second one dominates
       Surroundings both = {std::min(around[i].alone, other[j].alone), std::min(around[i].detail, other[j].detail)};
       if (std::abs(gap) >= radius_) both = gap >= 0 ? around[i] : other[j];
       if (lipschitz()) {
@@ -158,7 +157,8 @@ class CombineNode final : public SolidNode {
       return c.lipschitz() && c.cost() > kCostly ? c.far_value(sign, x, radius) : c.least(sign, x, radius);
     };
     const double a = least_of_child(*a_), b = least_of_child(*b_);
-    // The value is that of one of both, and blends move it towards the sign of the combination, by a quarter at most.
+    // The value is one of both, and blends move it towards the sign of the combination by at most a quarter of the
+    // radius.
     const double both = sign == sign_ ? std::min(a, b) - radius_ / 4 : std::max(a, b);
     return std::max(both, far_value(sign, x, radius));
   }
@@ -196,14 +196,13 @@ class CombineNode final : public SolidNode {
     return t;
   }
 
-  /// Below nodes whose slopes are not known there are fields: costly ones, which know better than their boxes where
-  /// they are far.
+  /// Nodes without known slopes contain fields, which are expensive and have better bounds than their boxes.
   double least_of(const SolidNode& second, const Vec3& x, double radius) const {
     return !second.lipschitz() ? second.least(sign_, x, radius) : second.far_value(sign_, x, radius);
   }
 
-  /// All points but those where `second` is so far away that the value of the first is known to be all, within
-  /// `radius`: highest(i) says below what the second's sign times values must not come.
+  /// Indices of all points except those where `second` is so far away that the value of the first is known to be the
+  /// result, within `radius`. highest(i) is the bound that the second's sign times values must exceed.
   template <class Highest>
   std::vector<std::uint32_t> where_to_ask(const SolidNode& second, std::span<const Vec3> x, const Highest& highest,
                                           double radius) const {
@@ -216,16 +215,16 @@ class CombineNode final : public SolidNode {
     return wanted;
   }
 
-  /// The ranges of a child whose slope is known, within `radius`; those of others are there already.
+  /// Ranges of a child with known slope, within `radius`; those of others are already set.
   static void by_slope(const SolidNode& child, std::span<const double> values, double radius,
                        std::span<ValueRange> ranges) {
     if (!child.lipschitz()) return;
     for (std::size_t i = 0; i < values.size(); ++i) ranges[i] = {values[i] - radius, values[i] + radius};
   }
 
-  /// With the values' sign turned for intersections.
+  /// With the sign reversed for intersections.
   ValueRange turned(const ValueRange& r) const { return sign_ > 0 ? r : ValueRange{-r.most, -r.least}; }
-  /// Whether one of both counts alone wherever in their ranges both are.
+  /// Whether one of both is irrelevant for all values in the ranges.
   bool apart(const ValueRange& a, const ValueRange& b) const {
     return turned(a).most + radius_ < turned(b).least || turned(b).most + radius_ < turned(a).least;
   }
@@ -236,7 +235,7 @@ class CombineNode final : public SolidNode {
     return a_->pieces() + b_->pieces() + (pairs() ? a * b_->pieces() + b : 0);
   }
 
-  /// How much of the gradient is that of b: 0 and 1 beyond the blend.
+  /// Weight of b's gradient: 0 or 1 beyond the blend.
   double weight_of_b(double a, double b) const {
     const double d = sign_ * (a - b);
     if (radius_ > 0 && std::abs(d) < radius_) return 0.5 + d / (2 * radius_);
@@ -248,7 +247,7 @@ class CombineNode final : public SolidNode {
     if (radius_ > 0 && std::abs(d) < radius_) return (a + b) / 2 - sign_ * (radius_ * radius_ + d * d) / (4 * radius_);
     return sign_ > 0 ? std::min(a, b) : std::max(a, b);
   }
-  /// It grows with both.
+  /// Monotonic in both.
   ValueRange combined(const ValueRange& a, const ValueRange& b) const {
     return {combined(a.least, b.least), combined(a.most, b.most)};
   }
@@ -313,7 +312,7 @@ double moved(const SolidNode& node, double support, double distance) {
   return node.lipschitz() ? support + distance : support;
 }
 
-/// Of a child whose values enter as side · (child − distance).
+/// Frame of a child whose values enter as side · (child − distance).
 ExpressionFrame offset_frame(const ExpressionFrame& frame, double side, double distance) {
   ExpressionFrame inner = frame;
   inner.sign = frame.sign * side;
@@ -368,7 +367,7 @@ class OffsetNode final : public SolidNode {
   double distance_;
 };
 
-/// |f − middle| − half: each piece twice, as the outer and as the inner surface.
+/// |f − middle| − half: each piece occurs twice, on the outer and on the inner surface.
 class ShellNode final : public SolidNode {
  public:
   ShellNode(NodePtr child, double middle, double half)
@@ -412,11 +411,11 @@ class ShellNode final : public SolidNode {
     child_->ranges(x, radius, found);
     fold(found);
   }
-  /// The child grown by the outer distance, without the child grown by the inner one.
+  /// The child grown by the outer distance, minus the child grown by the inner one.
   std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
     const ExpressionBuilder::WithinShell within(builder);
     const auto outer = child_->express(builder, offset_frame(frame, 1, middle_ + half_));
-    if (!outer || builder.full()) return std::nullopt;  // shells of shells are twice as many each time
+    if (!outer || builder.full()) return std::nullopt;  // each nesting of shells doubles the nodes
     const auto inner = child_->express(builder, offset_frame(frame, -1, middle_ - half_));
     if (!inner) return std::nullopt;
     using Kind = ExpressionBuilder::Node::Kind;
@@ -433,7 +432,7 @@ class ShellNode final : public SolidNode {
     Traits t = above(child);
     t.pieces *= 2;
     t.magnitude += std::abs(middle) + half;
-    // The wall, or a part or hole of the child within it; and what is left of parts and holes beyond it.
+    // The wall, or a part or hole of the child within it; and the remainder of parts and holes beyond it.
     const double s = child.thickness(), h = child.hollow_thickness();
     t.thickness = thinner(2 * half, thinner(s + 2 * (middle + half), h - 2 * (middle - half)));
     t.hollow_thickness = thinner(s + 2 * (middle - half), h - 2 * (middle + half));

@@ -16,7 +16,7 @@ constexpr Vec3 kZ{0, 0, 1};
 Solid make_box(const Arguments& a) {
   const bool corners = a["from"].given || a["to"].given;
   if (corners == a["size"].given || (corners && (!a["from"].given || !a["to"].given || a["center"].given)))
-    throw ArgumentError("box: give size= and perhaps center=, or both from= and to=");
+    throw ArgumentError("box: needs size= and optionally center=, or both from= and to=");
   const double r = a.number("r", 0);
   if (corners) return csg::box(a.vector("from"), a.vector("to"), r);
   const Vec3 center = a.vector("center"), half = a.vector("size") * 0.5;
@@ -36,7 +36,7 @@ Solid make_plane(const Arguments& a) {
   return csg::half_space(normal, dot(a.vector("through"), normalized(normal)));
 }
 
-/// Blends depend a little on the order: the first two, then the third with the result, and so on.
+/// Blends depend slightly on the order: the first two are combined first, then the third with the result, and so on.
 Solid combined(const Arguments& a, Solid (*pair)(const Solid&, const Solid&, double)) {
   const double r = a.number("r", 0);
   Solid result = a.solids[0];

@@ -1,4 +1,4 @@
-// The functions of CSG expressions: their names, arguments and meanings.
+// Functions of CSG expressions: names, parameters and implementations.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,7 @@ struct CsgParameter {
   bool required = false;
 };
 
-/// What was written for a parameter.
+/// Value of a parameter in a call.
 struct CsgArgument {
   bool given = false;
   double number = 0;
@@ -35,10 +35,10 @@ class CsgArguments;
 
 struct CsgFunction {
   const char* name;
-  std::size_t least_solids, most_solids;  ///< they come before the parameters
-  std::vector<CsgParameter> parameters;   ///< in the order in which they are written without names
+  std::size_t least_solids, most_solids;  ///< solids precede the parameters
+  std::vector<CsgParameter> parameters;   ///< in the order of unnamed arguments
   Solid (*make)(const CsgArguments&);     ///< throws ArgumentError
-  bool distances = false;                 ///< its solids' values must be distances far from their surfaces, too
+  bool distances = false;                 ///< the values of its solids must also be distances far from their surfaces
 };
 
 /// One call of a function.
@@ -62,7 +62,7 @@ class CsgArguments {
 /// All functions.
 std::span<const CsgFunction> csg_functions();
 
-/// The union (sign 1) or intersection of all, as a balanced tree: far parts of it need not be evaluated.
+/// Union or intersection of all, as a balanced tree: distant parts of it need not be evaluated.
 Solid combine_all(std::span<const Solid> solids, bool intersection);
 
 }  // namespace sansmesh::inline v1

@@ -15,7 +15,7 @@ constexpr std::size_t kMaxLength = std::size_t{1} << 20;
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-/// What bare names are made of. Bytes of characters beyond ASCII count as letters.
+/// Characters of unquoted names. Bytes of non-ASCII characters count as letters.
 bool is_name(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || is_digit(c) || c == '_' || c == '.' || c == '/' ||
          static_cast<unsigned char>(c) >= 0x80;
@@ -94,7 +94,7 @@ class Lexer {
     }
     token.kind = CsgToken::Kind::name;
     token.text = text_.substr(begin, at_ - begin);
-    // Neither a difference nor a dash in the name would be what everybody expects.
+    // Neither a difference nor a hyphen in the name would be unambiguous.
     if (peek() == '-' && is_name(peek(1))) {
       std::size_t end = at_ + 1;
       while (end < text_.size() && (is_name(text_[end]) || text_[end] == '-')) ++end;

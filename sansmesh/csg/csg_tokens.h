@@ -1,4 +1,4 @@
-// The words of CSG expressions.
+// Tokens of CSG expressions.
 #pragma once
 
 #include <cstddef>
@@ -11,8 +11,8 @@ namespace sansmesh::inline v1 {
 struct CsgToken {
   enum class Kind { name, quoted, number, symbol, end };
   Kind kind = Kind::end;
-  std::string text;    ///< as written; of quoted ones what is between the quotes
-  double number = 0;   ///< of numbers, without sign
+  std::string text;    ///< as written; for quoted tokens the text between the quotes
+  double number = 0;   ///< value of a number token, without sign
   std::size_t at = 0;  ///< position of its first character, counted from 1
   bool is(char symbol) const { return kind == Kind::symbol && text[0] == symbol; }
 };

@@ -16,18 +16,18 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kClusterSize = 16;
-/// Up to so many members are not sorted.
+/// Up to this many members are not sorted.
 constexpr std::size_t kFewMembers = 24;
-/// Of more members, a bound from below is not asked of each.
+/// With more members, lower bounds are not queried from each.
 constexpr std::size_t kAskedForLeast = 8;
-/// A survey with reach r tells how far a piece is alone up to this many r; as far as those of pairs do.
+/// Limit of a survey with reach r, in units of r; equal to that of pairs.
 constexpr double kGroupSurveyed = 6;
-/// How fast the difference of two values can change whose slopes are 1 at most.
+/// Lipschitz constant of the difference of two values whose slopes are at most 1.
 constexpr double kDifferenceSlope = 2;
-/// So many points ask the same members.
+/// Number of points that share a selection of members.
 constexpr std::size_t kFewPoints = 32;
-/// A member that costs more than this share of the group and is deeper than so many nodes is not asked in the middle of
-/// points before it is asked at all of them.
+/// A member that costs more than this share of the group and is deeper than kShallow nodes is not evaluated at the
+/// centres of balls.
 constexpr double kHeavyShare = 0.5;
 constexpr int kShallow = 4;
 
@@ -35,7 +35,7 @@ constexpr int kShallow = 4;
 struct AroundPoints {
   Vec3 center;
   double radius;
-  double rounding;  ///< of the values of a node there
+  double rounding;  ///< rounding error of the values of a node there
 
   AroundPoints(std::span<const Vec3> x, const SolidNode& node) {
     Box3 box;
@@ -47,14 +47,14 @@ struct AroundPoints {
   }
 };
 
-/// How far x lies outside of a box, in one direction.
+/// Distance of x from a box in one direction; negative inside.
 double outside_of(const Extents& e, const Vec3& x) {
   double outside = -kUnbounded;
   for (std::size_t k = 0; k < 3; ++k) outside = std::max({outside, -x[k] - e[2 * k], x[k] - e[2 * k + 1]});
   return outside;
 }
 
-/// What values are at least within `radius` of a place so far outside.
+/// Lower bound of the values within `radius` of a point this far outside.
 double least_value(double outside, double rise, double radius) {
   return outside > radius ? rise * (outside - radius) : -kUnbounded;
 }
@@ -102,7 +102,7 @@ void GroupNode::build_clusters() {
   order_.resize(members_.size());
   std::iota(order_.begin(), order_.end(), 0u);
   if (order_.size() > kFewMembers) {
-    // Those without an end in some direction first, the others along a Morton curve.
+    // Unbounded members first, the others along a Morton curve.
     std::vector<Vec3> center(order_.size());
     Box3 all;
     for (const std::uint32_t m : order_) {
@@ -132,12 +132,13 @@ void GroupNode::build_clusters() {
   }
 }
 
-// Whatever is left out is farther above the smallest value than both are rounded by: so members that are exactly the
-// smallest ones together are always asked, and the first of them counts, however many points there are.
+// Excluded members exceed the smallest value by more than the rounding errors of both. Therefore members that are
+// exactly equal to the smallest value are always evaluated, and the first of them is active, independent of the number
+// of points.
 
 std::vector<GroupNode::Near> GroupNode::candidates(std::span<const Vec3> x, double room) const {
   const AroundPoints ball(x, *this);
-  // The smallest value in the middle of the ball, of those that are asked there.
+  // Smallest value at the centre of the ball, of the members evaluated there.
   double smallest = kUnbounded;
   std::vector<Near> found;
   const auto far = [&](const Extents& e, double rise, double radius, double most) {
@@ -170,7 +171,7 @@ void GroupNode::ask(Near& near, const Vec3& x) const {
 void GroupNode::leave_out_far(std::vector<Near>& found, double radius, double room, double rounding, double smallest,
                               const Vec3& center) const {
   std::erase_if(found, [&](const Near& n) {
-    // Twice the radius: the smallest one may rise, and the other fall.
+    // Twice the radius, because the smallest value may rise while the other falls.
     if (n.asked) return n.value > smallest + 2 * radius + room + rounding;
     const SolidNode& m = *members_[n.member];
     return least_value(outside_of(extents_of(n.member), center), m.rise(), radius) >
@@ -224,7 +225,7 @@ void GroupNode::evaluate(std::span<const Vec3> x, std::span<double> values, std:
     std::array<Vec3, kFewPoints> slope;
     std::array<std::uint32_t, kFewPoints> piece;
   };
-  const auto others = std::make_unique_for_overwrite<Others>();  // trees may be deep, and the stack is not
+  const auto others = std::make_unique_for_overwrite<Others>();  // on the heap, because trees may be deep
   const std::vector<Near> near = candidates(x, 0);
   std::vector<Near> asked;
   for (std::size_t begin = 0; begin < x.size(); begin += kFewPoints) {
@@ -267,7 +268,7 @@ void GroupNode::survey(std::span<const Vec3> x, const SurveyReach& reach, std::s
   if (x.empty()) return;
   const double room = kGroupSurveyed * reach.detail * kDifferenceSlope;
   struct Others {
-    std::array<double, kFewPoints> value, second;  // the second smallest one, with the sign of the group
+    std::array<double, kFewPoints> value, second;  // the second smallest value, with the sign of the group
     std::array<Surroundings, kFewPoints> around;
     std::array<ValueRange, kFewPoints> unused;
   };
@@ -294,7 +295,7 @@ void GroupNode::survey(std::span<const Vec3> x, const SurveyReach& reach, std::s
         if (new_one < old_one) value[i] = other[i], surroundings[i] = other_around[i];
       }
     }
-    // Others may be left out beyond that.
+    // Other members may be excluded beyond that.
     for (std::size_t i = 0; i < n; ++i)
       surroundings[i].alone =
           std::min(surroundings[i].alone, std::min(second[i] - sign_ * value[i], room) / kDifferenceSlope);
@@ -317,7 +318,7 @@ std::optional<std::uint32_t> GroupNode::express(ExpressionBuilder& builder, cons
 }
 
 double GroupNode::support_of(const Vec3& n, double sign, bool largest) const {
-  // In the directions of the axes members know it.
+  // In the directions of the axes members have stored it.
   std::size_t axis = 6;
   for (std::size_t k = 0; k < 3; ++k)
     if (std::abs(n[k]) == 1 && n[(k + 1) % 3] == 0 && n[(k + 2) % 3] == 0) axis = 2 * k + (n[k] > 0 ? 1 : 0);

@@ -18,7 +18,7 @@ namespace {
 using Token = CsgToken;
 using Kind = CsgParameter::Kind;
 
-/// The parser calls itself in parentheses; solids may be nested as deep (solid_node.cpp).
+/// Limit of nested parentheses, which the parser handles recursively; solids have the same limit (solid_node.cpp).
 constexpr int kMaxParentheses = 1000;
 
 std::string shown(const Token& t) {
@@ -103,7 +103,7 @@ class Parser {
     no_solid(t);
   }
 
-  // Functions that call themselves have no texts of errors in their frames: there may be a thousand of these.
+  // Recursive functions keep error texts out of their stack frames, because there may be a thousand frames.
 
   [[noreturn, gnu::noinline]] void not_closed(const Token& open) const {
     csg_error(token().at, fmt::format("expected an operator (| + & -) or ')' for the '(' at {}, found {}", open.at,
@@ -304,7 +304,7 @@ class Parser {
     csg_error(word.at, fmt::format("{}: side is both, inside or outside, not {}", f.name, shown(word)));
   }
 
-  /// Errors of the solids themselves, with the place.
+  /// Adds the position to errors of the solids.
   template <class Make>
   static Solid made(std::size_t at, Make&& make) {
     try {
@@ -319,13 +319,13 @@ class Parser {
   std::map<std::string, Solid> loaded_, loaded_distances_;
   std::size_t next_ = 0;
   int depth_ = 0;
-  int distances_ = 0;  ///< calls around that need them
+  int distances_ = 0;  ///< enclosing calls that need distances
 };
 
 }  // namespace
 
 Solid parse_csg(const std::string& text, const SolidLoader& loader, const SolidLoader& distance_loader) {
-  // Loading may take long: all that can be wrong without it is found first, with something in place of each name.
+  // Loading may take long: errors that can be found without it are found first, with a placeholder for each name.
   const SolidLoader stand_in = [](const std::string&) { return csg::sphere({}, 1); };
   Parser(text, stand_in, {}).run();
   return Parser(text, loader, distance_loader).run();

@@ -1,4 +1,4 @@
-// Nodes that move solids, and those that hold fields of others.
+// Nodes that transform solids, and nodes of external fields.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -8,8 +8,8 @@
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/csg/solid_expression.h"
 #include "sansmesh/csg/solid_node.h"
+#include "sansmesh/data/similarity.h"
 #include "sansmesh/error.h"
-#include "sansmesh/field/similarity.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -76,10 +76,10 @@ class PlacedNode final : public SolidNode {
   Similarity map_;
 };
 
-/// A field of others, wherever it is asked. Nothing is known of it but its values and what they lie between.
+/// An external field, of which only values and ranges are known.
 class LeafNode final : public SolidNode {
  public:
-  /// `solid`: the field is a distance to what this box holds.
+  /// `solid`: the field is a distance to the content of this box.
   LeafNode(std::shared_ptr<const ScalarField> field, std::shared_ptr<const csg::FieldKnowledge> known,
            const std::optional<Box3>& solid = {})
       : SolidNode(traits_of(*field, solid.has_value())),
@@ -145,7 +145,7 @@ class LeafNode final : public SolidNode {
 Solid placed(const Solid& a, const Similarity& map) {
   if (!(map.scale > 0) || !std::isfinite(map.scale) || !is_finite(map.translation))
     throw ArgumentError("solids cannot be moved or scaled by lengths that are too large or small for numbers");
-  // Placements of placements are one.
+  // Nested transformations are merged.
   if (const auto* inner = dynamic_cast<const PlacedNode*>(a.node().get())) {
     const Similarity both = map * inner->map();
     return placed(Solid(inner->child()), both);
@@ -171,7 +171,7 @@ Solid leaf(std::shared_ptr<const ScalarField> field, std::shared_ptr<const Field
     if (bounds.empty()) throw ArgumentError("leaf: the field has an empty domain");
     return intersect(result, box(bounds.lower, bounds.upper));
   }
-  for (std::size_t k = 0; k < 6; ++k) {  // cut off in the directions in which it ends
+  for (std::size_t k = 0; k < 6; ++k) {  // cut off in bounded directions
     Vec3 n;
     n[k / 2] = k % 2 ? 1 : -1;
     const double end = k % 2 ? bounds.upper[k / 2] : -bounds.lower[k / 2];
@@ -203,7 +203,6 @@ Solid rotate(const Solid& a, const Vec3& axis, double degrees, const Vec3& cente
   const double c = exact(std::cos(angle)), s = exact(std::sin(angle));
   Similarity map;
   for (Vec3& e : map.columns) e = c * e + s * cross(u, e) + (1 - c) * dot(u, e) * u;
-  map.turned = true;
   map.translation = center - map.turn(center);
   return placed(a, map);
 }
@@ -222,7 +221,6 @@ Solid mirror(const Solid& a, const Vec3& normal, double offset) {
   require_finite("mirror", "offset", offset);
   Similarity map;
   for (Vec3& e : map.columns) e -= 2 * dot(n, e) * n;
-  map.turned = true;
   map.translation = 2 * offset * n;
   return placed(a, map);
 }

@@ -1,4 +1,4 @@
-// Analytic primitives. Each is a shape with a few smooth pieces and one inlined loop over points.
+// Analytic primitives: shapes with a few smooth pieces and one inlined loop over points.
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ struct Sample {
 
 constexpr double kNextToAxis = 1e-6;  ///< over the distance along the axis
 
-/// Distance of a point to an axis, along it, and away from it.
+/// Coordinates of a point relative to an axis: position along it, distance, and outward direction.
 struct AroundAxis {
   double along, radius;
   Vec3 outward;  ///< unit; zero on the axis
@@ -28,7 +28,7 @@ struct AroundAxis {
   AroundAxis(const Vec3& d, const Vec3& axis) : along(dot(d, axis)) {
     Vec3 away = d - along * axis;
     radius = norm(away);
-    // Next to the axis what is left is mostly rounding, and some of that lies along the axis.
+    // Next to the axis the remainder is mostly rounding, and partly along the axis.
     if (radius < kNextToAxis * std::abs(along)) {
       away = away - dot(away, axis) * axis;
       radius = norm(away);
@@ -43,10 +43,10 @@ double disc_support(const Vec3& n, const Vec3& center, const Vec3& axis, double 
   return dot(n, center) + radius * std::sqrt(std::max(0.0, 1 - c * c));
 }
 
-/// Second derivative of a distance to a point or a curve as far away as this.
+/// Second derivative of a distance to a point or a curve at this distance.
 double bend_at(double distance) { return distance > 0 ? 1 / distance : kUnbounded; }
-/// The same of what narrows to a point, of which a ball of that radius is asked. Close to the point blocks are never
-/// small enough: it counts as seen.
+/// The same for a shape that narrows to a point, in a ball of radius `reach`. Blocks are never small enough close to
+/// the point, which counts as resolved there.
 double bend_at_tip(double distance, double reach) {
   constexpr double kClose = 1.5;
   return distance > kClose * reach ? 1 / distance : kUnbounded;
@@ -101,7 +101,7 @@ class PrimitiveNode final : public SolidNode {
     return sign * s.value - radius;
   }
   std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
-    // Which of its values is 0 in the end: deep within rounded boxes there is nothing round.
+    // The level of its values that becomes 0 in the whole: deep within rounded boxes nothing is round.
     const double level = -frame.shift / (frame.sign * frame.map.scale);
     return builder.pieces(*this, shape_.largest_of(level), frame);
   }
@@ -121,18 +121,18 @@ Solid solid_of(const Shape& shape) {
   return Solid(std::make_shared<PrimitiveNode<Shape>>(shape));
 }
 
-/// What most shapes are: one piece, bounded, an exact distance.
+/// Defaults of most shapes: one piece, bounded, an exact distance.
 struct SmoothShape {
   static constexpr bool kOneWay = false;  ///< straight in one direction everywhere
   std::uint32_t pieces() const { return 1; }
-  /// Where the value is `level`, it is the largest of so many pieces; 0: one function of its own.
+  /// Where the value is `level`, it is the largest of this many pieces; 0: a separate function.
   std::uint32_t largest_of(double) const { return 0; }
   double rise() const { return 1; }
   double hollow_support(const Vec3&) const { return kUnbounded; }
   double hollow_thickness() const { return kUnbounded; }
-  /// As that of nodes.
+  /// See SolidNode::magnitude.
   double magnitude() const { return 0; }
-  /// Within this radius of x, at which it is active with this value, the piece is the only one.
+  /// Radius around x, where the piece is active with this value, in which it is the only one.
   double alone(std::uint32_t, const Vec3&, double) const { return kUnbounded; }
 };
 
@@ -158,16 +158,16 @@ struct HalfSpace : SmoothShape {
   Sample at(std::uint32_t, const Vec3& x) const { return {dot(normal, x) - offset, normal}; }
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
   double bend(std::uint32_t, const Vec3&, double, double) const { return 0; }
-  // Directions come out of rotations: the same but for rounding is the same.
+  // Directions result from rotations: they are equal up to rounding.
   double support(const Vec3& n) const { return dot(n, normal) > 1 - 1e-14 ? offset : kUnbounded; }
   double hollow_support(const Vec3& n) const { return dot(n, normal) < -1 + 1e-14 ? -offset : kUnbounded; }
   double thickness() const { return kUnbounded; }
   double magnitude() const { return std::abs(offset); }
 };
 
-/// Pieces 0 to 5: the faces −x, +x, −y, … With rounding, 6: what is round.
+/// Pieces 0 to 5: the faces −x, +x, −y, … With rounding, 6: the rounded part.
 struct Block : SmoothShape {
-  Vec3 center, half;  ///< half the size, less the rounding
+  Vec3 center, half;  ///< half the size, minus the rounding
   double rounding = 0;
 
   std::uint32_t pieces() const { return rounding > 0 ? 7 : 6; }
@@ -206,7 +206,7 @@ struct Block : SmoothShape {
     const Vec3 d = x - center;
     Vec3 q;
     for (std::size_t k = 0; k < 3; ++k) q[k] = std::abs(d[k]) - half[k];
-    // What is round begins where a second coordinate leaves the box.
+    // The rounded part begins where a second coordinate is outside of the box.
     if (piece == 6) return q.x + q.y + q.z - std::max({q.x, q.y, q.z}) - std::min({q.x, q.y, q.z});
     const std::size_t k = piece / 2;
     const double other = std::max(q[(k + 1) % 3], q[(k + 2) % 3]);
@@ -247,7 +247,7 @@ struct Frustum : SmoothShape {
   static constexpr bool kOneWay = true;
   Vec3 center, axis;
   double bottom = 0, top = 0, half_height = 0;
-  double slope = 0, cosine = 1;  ///< of the side: radius per height, and of its angle to the axis
+  double slope = 0, cosine = 1;  ///< slope of the side (radius per height), and cosine of its angle to the axis
 
   std::uint32_t pieces() const { return 3; }
   std::uint32_t largest_of(double) const { return 3; }
@@ -260,7 +260,7 @@ struct Frustum : SmoothShape {
   }
   /// In front of an edge both pieces are seen at half the angle between their normals.
   double rise() const {
-    const double sine = std::abs(slope) * cosine;  // the side's normal leans by this towards the narrow end's
+    const double sine = std::abs(slope) * cosine;  // inclination of the side's normal towards the narrow end
     return std::sqrt((1 - sine) / 2);
   }
   Sample at(std::uint32_t piece, const Vec3& x) const {
@@ -270,7 +270,7 @@ struct Frustum : SmoothShape {
     const AroundAxis a(d, axis);
     return {(a.radius - (bottom + top) / 2 - slope * a.along) * cosine, (a.outward - slope * axis) * cosine};
   }
-  /// The same values as those of at(), with one look at the axis.
+  /// Same values as at(), from precomputed axis coordinates.
   std::array<double, 3> values(const AroundAxis& a) const {
     return {(a.radius - (bottom + top) / 2 - slope * a.along) * cosine, -a.along - half_height, a.along - half_height};
   }
@@ -290,7 +290,7 @@ struct Frustum : SmoothShape {
     return std::max(disc_support(n, center - half_height * axis, axis, bottom),
                     disc_support(n, center + half_height * axis, axis, top));
   }
-  /// Half-way up: no cells are small enough for a tip.
+  /// Thickness at half the height, because no cells resolve a tip.
   double thickness() const { return std::min(2 * half_height, bottom + top); }
 };
 
@@ -307,7 +307,7 @@ struct Ring : SmoothShape {
   std::uint32_t choose(const Vec3& x, Sample& s) const { return s = at(0, x), 0; }
   double bend(std::uint32_t, const Vec3& x, double reach, double level) const {
     const double least = ring - tube - level, beside = AroundAxis(x - center, axis).radius - reach;
-    // Where there is no hole left, there are two dimples.
+    // If the hole has closed, there are two dimples.
     return std::max(bend_at(tube + level), least > 0 ? bend_at(std::max(least, beside)) : bend_at_tip(beside, reach));
   }
   double support(const Vec3& n) const { return disc_support(n, center, axis, ring) + tube; }

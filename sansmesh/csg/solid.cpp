@@ -12,7 +12,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Points that go through the whole tree together: the buffers of all nodes on the way stay in the cache.
+/// Number of points evaluated together through the whole tree, so that the buffers of all nodes stay in the cache.
 constexpr std::size_t kBatch = 512;
 
 template <class T>
@@ -20,13 +20,13 @@ std::span<T> part(std::span<T> all, std::size_t first, std::size_t last) {
   return all.empty() ? all : all.subspan(first, last - first);
 }
 
-/// Trees of which evaluating one point takes longer than this have many parts, of which few count at one place: batches
-/// of neighbours ask fewer of them. A field of others alone costs 50.
+/// Trees with a larger cost per point have many parts, of which few are relevant at one point: batches of neighbours
+/// evaluate fewer of them. One external field costs 50.
 constexpr double kManyParts = 120;
-/// So many points are put in the order of places at a time.
+/// Number of points sorted together.
 constexpr std::size_t kSlab = std::size_t{1} << 18;
 
-/// The numbers of these points along a Morton curve.
+/// Indices of these points along a Morton curve.
 std::vector<std::uint64_t> order_of_places(std::span<const Vec3> x) {
   constexpr std::uint32_t kCells = 1023;
   Box3 box;
@@ -46,8 +46,8 @@ std::vector<std::uint64_t> order_of_places(std::span<const Vec3> x) {
   return order;
 }
 
-/// Calls ask(x, values, gradients) with the points, as they come or, for many of a tree with many parts, slab by slab
-/// as neighbours; its answers go where they belong. `First` and `Second` may be any kind of answer.
+/// Calls ask(x, values, gradients) with the points, in the given order or, for many points of a tree with many parts,
+/// slab by slab as neighbours; results are returned in the given order. `First` and `Second` may be any result types.
 template <class First, class Second, class Ask>
 void ask_neighbours(const SolidNode& node, std::span<const Vec3> x, std::span<First> first, std::span<Second> second,
                     Ask&& ask) {
@@ -65,7 +65,7 @@ void ask_neighbours(const SolidNode& node, std::span<const Vec3> x, std::span<Fi
   }
 }
 
-/// body(first, last) on batches.
+/// Calls body(first, last) on batches.
 template <class Body>
 void in_batches(std::size_t n, Body&& body) {
   const std::size_t batches = (n + kBatch - 1) / kBatch;

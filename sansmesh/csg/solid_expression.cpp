@@ -15,26 +15,27 @@ namespace {
 
 using NodeKind = PieceExpression::Node::Kind;
 
-/// More functions than this are too many to be looked at one by one.
+/// Limit of the number of functions of an expression.
 constexpr std::size_t kMostFunctions = 1u << 18;
-/// Faces in one plane are one function, however many nodes it is in.
+/// Limit of nodes. Faces in one plane are one function in many nodes.
 constexpr std::size_t kMostNodes = 4 * kMostFunctions;
-/// From so many shells within each other on, and so many times as many nodes as functions, equal parts become one.
+/// With this many nested shells, and this ratio of nodes to functions, equal parts are merged.
 constexpr int kManyShells = 4;
 constexpr std::size_t kManyNodes = 8;
-/// Points that go through a function together.
+/// Number of points evaluated together by a function.
 constexpr std::size_t kAtOnce = 64;
-/// Planes no farther from each other than this share of the tie are one.
+/// Planes closer than this share of the tie are merged.
 constexpr double kSamePlane = 0.01;
-/// Of no particular direction: planes are sorted by it.
+/// A generic direction for sorting planes.
 constexpr Vec3 kAnywhere{0.5772156649, 0.3275822918, -0.6931471806};
-/// Of a part, as a share of that of what it is a part of where the one is a union and the other an intersection, and at
-/// least as a share of the first. By how much, as a share, functions differ that would be the same.
+/// Tie of a part, as a share of its parent's if one is a union and the other an intersection, and its least share of
+/// the first tie; and the share of the tie by which otherwise equal functions differ.
 constexpr double kTieOfPart = 0.5, kLeastTie = 1.0 / 16, kTieOfFunction = 0.25;
-/// The difference of two values changes by so much with the distance, their slopes being 1 at most, and a little.
+/// Lipschitz constant of the difference of two values whose slopes are at most 1, with a margin.
 constexpr double kRoomPerRadius = 2.0001;
-/// Blends of more parts than this are told apart by regions, down to regions with so few parts, so small as a share of
-/// the radius, and so many halvings. A region is known in a ball of so many of its edges (0.87 hold its corners).
+/// Blends of more parts are resolved by regions. Division ends at regions with few parts, at a size relative to the
+/// radius, or after a number of halvings. A region is valid in a ball of kBallOfRegion edges (0.87 contain its
+/// corners).
 constexpr std::size_t kManyBlended = 8, kFewBlended = 6;
 constexpr double kLeastRegion = 0.5, kBallOfRegion = 1.75;
 constexpr int kMostHalvings = 10;
@@ -45,7 +46,7 @@ Box3 box_of(const SolidNode& root) {
   return {{-e[0], -e[2], -e[4]}, {e[1], e[3], e[5]}};
 }
 
-/// Of up to kAtOnce points; not of blends.
+/// Evaluates up to kAtOnce points; not for blends.
 void evaluate_function(const ExpressionBuilder::Function& f, const Vec3* x, std::size_t n, double* values,
                        Vec3* gradients) {
   std::array<Vec3, kAtOnce> at;
@@ -130,13 +131,13 @@ class SolidExpression final : public PieceExpression {
   using Function = ExpressionBuilder::Function;
   static constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
 
-  /// A cube, and what a blend of many parts is in the ball around it: the same to the last digit, of the parts that are
-  /// not too far off to take part.
+  /// A cube, and a simplified blend that equals a blend of many parts in the ball around it to the last digit: parts
+  /// too far away are omitted.
   struct Region {
     Vec3 center;
     double edge = 0;
     std::uint32_t function = 0;
-    std::uint32_t child = kNowhere;  ///< first of eight
+    std::uint32_t child = kNowhere;  ///< first of eight children
   };
 
   struct Local {
@@ -144,7 +145,7 @@ class SolidExpression final : public PieceExpression {
     double value;
   };
 
-  /// A blend of two functions that stand for those of `f`.
+  /// A blend of two functions that replace those of `f`.
   std::uint32_t stand_in(std::uint32_t f, std::uint32_t a, std::uint32_t b) {
     const auto [known, is_new] = stand_ins_.try_emplace({origin(f), a, b}, static_cast<std::uint32_t>(all_.size()));
     if (is_new) {
@@ -156,7 +157,7 @@ class SolidExpression final : public PieceExpression {
     return known->second;
   }
 
-  /// What `function` is within `radius` of x, and its value there. As side_of(), all at once.
+  /// Simplification of `function` within `radius` of x, and its value there, like side_of() for all its parts.
   Local within(std::uint32_t function, const Vec3& x, double radius) {
     const Function f = all_[function];
     if (f.node) {
@@ -173,7 +174,7 @@ class SolidExpression final : public PieceExpression {
     return {stand_in(function, a.function, b.function), value};
   }
 
-  /// How many smooth functions there are in it, and its smallest radius.
+  /// Number of smooth functions in it, and its smallest radius.
   std::size_t parts(std::uint32_t function, double& radius) const {
     const Function& f = all_[function];
     if (f.node) return 1;
@@ -181,7 +182,7 @@ class SolidExpression final : public PieceExpression {
     return parts(f.a, radius) + parts(f.b, radius);
   }
 
-  /// Regions for all pieces of many parts.
+  /// Creates regions for all pieces of many parts.
   void divide() {
     region_of_.assign(pieces_, kNowhere);
     const Box3 box = bounds();
@@ -200,7 +201,7 @@ class SolidExpression final : public PieceExpression {
     stand_ins_.clear();
   }
 
-  /// Only where the function may vanish: elsewhere it is hardly asked.
+  /// Divides only where the function may vanish, because others are hardly queried.
   void divide_region(std::uint32_t first) {
     std::vector<std::pair<std::uint32_t, int>> open{{first, 0}};  // the largest come first
     for (std::size_t next = 0; next < open.size(); ++next) {
@@ -226,7 +227,7 @@ class SolidExpression final : public PieceExpression {
     }
   }
 
-  /// What the piece is within `radius` of x.
+  /// Simplification of the piece within `radius` of x.
   std::uint32_t near(std::uint32_t piece, const Vec3& x, double radius) const {
     if (region_of_[piece] == kNowhere) return piece;
     const Region* region = &regions_[region_of_[piece]];
@@ -242,12 +243,12 @@ class SolidExpression final : public PieceExpression {
     return region->function;
   }
 
-  /// The piece that a function stands for.
+  /// The piece that a function simplifies.
   std::uint32_t origin(std::uint32_t function) const {
     return function < pieces_ ? function : origin_[function - pieces_];
   }
 
-  /// The blend of two values, in place of the first; the weight of the second.
+  /// Replaces the first value by the blend of both; returns the weight of the second.
   static double blend(const Function& f, double b, double& a) {
     const double d = a - b;
     if (std::abs(d) < f.radius) {
@@ -276,7 +277,7 @@ class SolidExpression final : public PieceExpression {
     }
   }
 
-  /// Which one of both a blend is, within `radius` of x: the first (−1), the second (1) or neither.
+  /// Result of a blend within `radius` of x: the first function (−1), the second (1) or neither (0).
   int side_of(std::uint32_t blend, const Vec3& x, double radius) const {
     const Function& f = all_[blend];
     double a = 0, b = 0;
@@ -286,7 +287,7 @@ class SolidExpression final : public PieceExpression {
     return std::abs(d) < f.radius + room ? 0 : d < 0 ? -1 : 1;
   }
 
-  /// Where the function is between two values.
+  /// Bend where the function is between two values.
   double bend_of(std::uint32_t function, const Vec3& x, double radius, double least, double most) const {
     const Function& f = all_[function];
     if (f.node) {
@@ -300,7 +301,7 @@ class SolidExpression final : public PieceExpression {
     Vec3 ga, gb;
     ask(f.a, &x, 1, &a, &ga);
     ask(f.b, &x, 1, &b, &gb);
-    // Both are no farther from the value of the blend than its radius, to the side to which it leaves them.
+    // Both values differ from the blend by at most its radius, on the side of its sign.
     const double low = least - (f.sign < 0 ? f.radius : 0), high = most + (f.sign > 0 ? f.radius : 0);
     const double of_a = bend_of(f.a, x, radius, std::max(low, a - radius), std::min(high, a + radius));
     const double of_b = bend_of(f.b, x, radius, std::max(low, b - radius), std::min(high, b + radius));
@@ -309,11 +310,11 @@ class SolidExpression final : public PieceExpression {
   }
 
   std::shared_ptr<const SolidNode> root_;
-  std::vector<Function> all_;             ///< the pieces, then what stands for them in regions
-  std::vector<std::uint32_t> origin_;     ///< of those, the pieces
-  std::vector<std::uint32_t> region_of_;  ///< by piece: its first region
+  std::vector<Function> all_;             ///< pieces, then their simplifications in regions
+  std::vector<std::uint32_t> origin_;     ///< piece of each simplification
+  std::vector<std::uint32_t> region_of_;  ///< first region of each piece
   std::vector<Region> regions_;
-  std::map<std::array<std::uint32_t, 3>, std::uint32_t> stand_ins_;  ///< by piece and both functions
+  std::map<std::array<std::uint32_t, 3>, std::uint32_t> stand_ins_;  ///< keyed by piece and both functions
   std::uint32_t pieces_ = 0;
 };
 
@@ -354,7 +355,7 @@ void ExpressionBuilder::merge_equal_parts() {
     number[k] = at->second;
     if (is_new) nodes[kept++] = n;
   }
-  nodes.resize(number.back() + 1);  // the root comes last
+  nodes.resize(number.back() + 1);  // the root is last
 }
 
 std::uint32_t ExpressionBuilder::add(const Node& node) {
@@ -367,7 +368,7 @@ std::uint32_t ExpressionBuilder::piece(const SolidNode& node, std::uint32_t numb
   Function function;
   function.node = &node, function.piece = number, function.frame = frame;
   function.frame.shift += frame.tie;
-  // Where many solids have a face in the same plane, as many pieces would meet all over it.
+  // If many solids have a face in the same plane, as many pieces would meet all over it.
   if (std::optional<Plane> plane = radius_ > 0 ? plane_of(function) : std::nullopt) {
     const double key = plane->value + radius_ * dot(plane->gradient, kAnywhere), near = kSamePlane * tie_;
     for (auto p = planes_.lower_bound(key - near); p != planes_.end() && p->first <= key + near; ++p)
@@ -377,7 +378,7 @@ std::uint32_t ExpressionBuilder::piece(const SolidNode& node, std::uint32_t numb
     planes_.emplace(key, *plane);
   }
   functions.push_back(function);
-  // Pieces of two solids that are the same but for this are never in the same place.
+  // Otherwise equal pieces of two solids never coincide.
   const double share = static_cast<double>(functions.size() * 0x9e3779b1u % 1024u) / 1024;
   functions.back().frame.shift += kTieOfFunction * (frame.tie == 0 ? tie_ : std::abs(frame.tie)) * share;
   return add({NodeKind::piece, static_cast<std::uint32_t>(functions.size() - 1), 0});
@@ -396,8 +397,8 @@ std::uint32_t ExpressionBuilder::pieces(const SolidNode& node, std::uint32_t cou
 }
 
 ExpressionFrame ExpressionBuilder::frame_of_parts(const ExpressionFrame& frame, double side) const {
-  // Surfaces that coincide: parts of a union overlap, those of an intersection leave a gap. Where one is a part of the
-  // other, the parts of the inner one still do, and less than those of the outer one.
+  // Separates coincident surfaces: parts of a union overlap, those of an intersection leave a gap. The same holds, to a
+  // smaller degree, for the parts of an inner node.
   ExpressionFrame inner = frame;
   if (frame.tie == 0) {
     inner.tie = -side * tie_;
@@ -441,8 +442,8 @@ std::optional<std::uint32_t> ExpressionBuilder::combine(const SolidNode& a, cons
   if (!second || full()) return std::nullopt;
   if (radius == 0) return combine(kind, *first, *second);
 
-  // A blend grows with both values: of minima and maxima it is minima and maxima of blends, one for each pair of
-  // functions.
+  // A blend is monotonic in both values: the blend of minima and maxima is minima and maxima of blends, one for each
+  // pair of functions.
   const std::vector<Node> of_a(nodes.begin() + static_cast<std::ptrdiff_t>(before),
                                nodes.begin() + static_cast<std::ptrdiff_t>(middle));
   const std::vector<Node> of_b(nodes.begin() + static_cast<std::ptrdiff_t>(middle), nodes.end());
@@ -460,7 +461,7 @@ std::optional<std::uint32_t> ExpressionBuilder::combine(const SolidNode& a, cons
     return copied(of_b, middle, [&](std::uint32_t g) {
       Function blend;
       blend.a = f, blend.b = g, blend.radius = radius * frame.map.scale, blend.sign = side;
-      // Functions that are the same are one: f or g may have been.
+      // Equal functions are merged: f or g may have been merged before.
       std::vector<std::uint32_t>& known = blends_[{f, g}];
       for (const std::uint32_t k : known)
         if (functions[k].radius == blend.radius && functions[k].sign == side) return add({NodeKind::piece, k, 0});

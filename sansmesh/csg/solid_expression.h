@@ -11,51 +11,52 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/csg/solid_node.h"
+#include "sansmesh/data/similarity.h"
 #include "sansmesh/field/piece_expression.h"
-#include "sansmesh/field/similarity.h"
 
 namespace sansmesh::inline v1 {
 
-/// How the values of a node enter the whole: sign · (those of the node moved by `map`) + shift + tie.
+/// Transformation of a node's values in the whole: sign · (values of the node moved by `map`) + shift + tie.
 struct ExpressionFrame {
   Similarity map;
   double sign = 1;
   double shift = 0;
-  double tie = 0;  ///< by what surfaces that coincide are told apart
+  double tie = 0;  ///< offset that separates coincident surfaces
 };
 
-/// What nodes are put into one after the other: the functions, and the nodes over them.
+/// Collects the functions and nodes of an expression, to which nodes of solids are added in turn.
 class ExpressionBuilder {
  public:
   using Node = PieceExpression::Node;
   /// A smooth function: a piece of a node in a frame, or the blend of two functions.
   struct Function {
-    const SolidNode* node = nullptr;  ///< none: a blend
+    const SolidNode* node = nullptr;  ///< null: a blend
     std::uint32_t piece = 0;
     ExpressionFrame frame;
-    std::uint32_t a = 0, b = 0;  ///< of a blend: functions that stand before it
+    std::uint32_t a = 0, b = 0;  ///< blends only: previous functions
     double radius = 0;
-    double sign = 1;  ///< of a blend: 1 of a union, −1 of an intersection
+    double sign = 1;  ///< blends only: 1 for a union, −1 for an intersection
   };
 
-  /// Planes that are the same to well below the tie all over `box` become one function; if that ends somewhere.
+  /// Planes that agree far below the tie all over `box` are merged into one function, if the box is bounded.
   ExpressionBuilder(double tie, const Box3& box);
 
   std::uint32_t piece(const SolidNode& node, std::uint32_t number, const ExpressionFrame& frame);
   std::uint32_t combine(Node::Kind kind, std::uint32_t a, std::uint32_t b);
-  /// The largest of the first `count` pieces of a node; of 0, the node as one function.
+  /// The largest of the first `count` pieces of a node; for 0, the node as one function.
   std::uint32_t pieces(const SolidNode& node, std::uint32_t count, const ExpressionFrame& frame);
   /// Two children of a union (sign 1) or intersection (−1), blended within `radius`.
   std::optional<std::uint32_t> combine(const SolidNode& a, const SolidNode& b, double sign, double radius,
                                        const ExpressionFrame& frame);
 
-  /// Any number of them, without blends.
+  /// Any number of members, without blends.
   std::optional<std::uint32_t> combine(const std::vector<NodePtr>& members, double sign, const ExpressionFrame& frame);
 
-  /// Of shells within shells, which are twice as many nodes each time but hardly more functions, parts that are equal
-  /// become one: nodes are a tree no longer then. Others stay as they are, triangles come in their order.
+  /// Merges equal parts of nested shells, which double the number of nodes at each level but hardly that of functions.
+  /// The nodes then form a graph instead of a tree. Other expressions are unchanged, because the order of triangles
+  /// depends on them.
   void merge_equal_parts();
-  /// Counts how deep shells are within each other, as long as it is there.
+  /// Counts the nesting depth of shells during its lifetime.
   class WithinShell {
    public:
     explicit WithinShell(ExpressionBuilder& builder) : builder_(builder) {
@@ -69,33 +70,33 @@ class ExpressionBuilder {
     ExpressionBuilder& builder_;
   };
 
-  /// More functions, or nodes, than can be looked at one by one.
+  /// Whether there are too many functions or nodes.
   bool full() const;
 
   std::vector<Function> functions;
   std::vector<Node> nodes;
 
  private:
-  /// A plane, by its value in the middle of the box and its gradient.
+  /// A plane, by its value at the centre of the box and its gradient.
   struct Plane {
     double value;
     Vec3 gradient;
     std::uint32_t function;
   };
   std::uint32_t add(const Node& node);
-  /// Whether a function is a plane all over the box, and which.
+  /// The plane that a function equals all over the box, if any.
   std::optional<Plane> plane_of(const Function& function) const;
-  /// That of the parts of a union (side 1) or intersection (−1).
+  /// Frame of the parts of a union (side 1) or intersection (−1).
   ExpressionFrame frame_of_parts(const ExpressionFrame& frame, double side) const;
   double tie_;
   int shells_ = 0, most_shells_ = 0;
-  std::map<std::array<std::uint32_t, 2>, std::vector<std::uint32_t>> blends_;  ///< by the functions that they blend
+  std::map<std::array<std::uint32_t, 2>, std::vector<std::uint32_t>> blends_;  ///< keyed by the blended functions
   Vec3 middle_;
-  double radius_ = 0;  ///< of the box; 0: it has no end
+  double radius_ = 0;  ///< radius of the box; 0: unbounded
   std::multimap<double, Plane> planes_;
 };
 
-/// Nothing where a part of the tree is no such thing.
+/// Null if a part of the tree has no such form.
 std::shared_ptr<const PieceExpression> expression_of(std::shared_ptr<const SolidNode> root, double tie);
 
 }  // namespace sansmesh::inline v1

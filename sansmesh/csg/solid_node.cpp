@@ -11,10 +11,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Evaluation and destruction go as deep as the tree.
+/// Limit of the tree's depth, because evaluation and destruction are recursive.
 constexpr int kMaxNesting = 1000;
 constexpr std::uint64_t kMaxPieces = 1u << 30;
-/// Rounding of values as a share of the largest length: of a tree with a thousand nodes on the way.
+/// Relative rounding error of values, for a path of a thousand nodes.
 constexpr double kValueRounding = 2e-12;
 
 }  // namespace
@@ -97,7 +97,7 @@ Vec3 require_direction(const char* what, const char* name, const Vec3& value) {
   require_finite(what, name, value);
   const double largest = std::max({std::abs(value.x), std::abs(value.y), std::abs(value.z)});
   if (!(largest > 0)) throw ArgumentError(fmt::format("{}: {} must have a direction, not be (0, 0, 0)", what, name));
-  return normalized(value / largest);  // squares of huge or tiny components would overflow
+  return normalized(value / largest);  // squares of huge or tiny components would overflow or underflow
 }
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// What solids are made of, seen from inside: the nodes of the tree.
+// Nodes of the tree of a solid.
 #pragma once
 
 #include <array>
@@ -19,21 +19,21 @@ struct ExpressionFrame;
 
 constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 
-/// Nodes that are deeper tell by their boxes alone what values are at least: each of the nodes above asks for it, and
-/// would look through all that is below.
+/// Deeper nodes use only their boxes as bounds: each of their ancestors queries a bound, and would otherwise traverse
+/// the whole subtree.
 constexpr int kDeepForLeast = 12;
 
-/// In place of a piece: the value of the node.
+/// Piece number that denotes the whole node.
 constexpr std::uint32_t kWholeNode = ~std::uint32_t{0};
 
-/// A smallest box, as its extents in the directions −x, +x, −y, +y, −z, +z; they may contradict each other (no point).
+/// A bounding box as its extents in the directions −x, +x, −y, +y, −z, +z; contradicting extents denote an empty set.
 using Extents = std::array<double, 6>;
 
-/// One solid of a tree. Nodes never change once made.
+/// One immutable node of a tree of solids.
 ///
-/// Its support S(n) is a bound for ⟨n, x⟩ over the solid, for any unit vector n. Besides bounding the solid it bounds
-/// the field: outside, value(x) ≥ rise · (⟨n, x⟩ − S(n)), by which a node that is far away need not be evaluated.
-/// The same for the solid's complement, with the value's sign turned.
+/// Its support S(n) is a bound for ⟨n, x⟩ over the solid, for any unit vector n. It also bounds the field: outside,
+/// value(x) ≥ rise · (⟨n, x⟩ − S(n)), so that a distant node need not be evaluated. The hollow support is that of the
+/// solid's complement, with the sign of the value reversed.
 class SolidNode {
  public:
   virtual ~SolidNode() = default;
@@ -43,26 +43,26 @@ class SolidNode {
   /// Values, and gradients and active pieces unless their spans are empty.
   virtual void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                         std::span<std::uint32_t> active) const = 0;
-  /// As PiecewiseField::evaluate_piece.
+  /// See PiecewiseField::evaluate_piece.
   virtual void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
                               std::span<Vec3> gradients) const = 0;
 
-  /// As PiecewiseField::survey. Where gradients are not known to be 1 at most, `ranges` gets what the values within
-  /// reach.alone lie between; else it is left as it is.
+  /// See PiecewiseField::survey. Unless gradients are known to be at most 1, `ranges` receives bounds of the values
+  /// within reach.alone; otherwise it is unchanged.
   virtual void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
                       std::span<Surroundings> around, std::span<ValueRange> ranges) const = 0;
-  /// As ScalarField::ranges. To be overridden where gradients are not known to be 1 at most.
+  /// See ScalarField::ranges. Must be overridden unless gradients are known to be at most 1.
   virtual void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const;
 
-  /// A bound from below for sign (±1) times the values within `radius` of x, found without evaluating fields; −infinity
-  /// where there is none.
+  /// Lower bound of sign (±1) times the values within `radius` of x, found without evaluating fields; −infinity if
+  /// unknown.
   virtual double least(double sign, const Vec3& x, double radius) const { return far_value(sign, x, radius); }
 
-  /// As minima and maxima of smooth functions (solid_expression.h): the number of its node there, or nothing.
+  /// As minima and maxima of smooth functions (solid_expression.h): the index of its node there, or nothing.
   virtual std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const;
-  /// As PieceExpression::bend, of a piece or of all that the node is (kWholeNode), where its value is `level` or more.
+  /// See PieceExpression::bend, for a piece or for the whole node (kWholeNode), where its value is at least `level`.
   virtual double bend(std::uint32_t piece, const Vec3& x, double radius, double level) const;
-  /// As PieceExpression::bends_one_way, of all its pieces.
+  /// See PieceExpression::bends_one_way, for all its pieces.
   virtual bool bends_one_way() const { return false; }
 
   virtual double support(const Vec3& n) const = 0;
@@ -70,19 +70,20 @@ class SolidNode {
 
   std::uint32_t pieces() const { return pieces_; }
   double rise() const { return rise_; }
-  /// Gradients are known to be 1 at most.
+  /// Whether gradients are known to be at most 1.
   bool lipschitz() const { return lipschitz_; }
-  /// Rough time of one evaluation; a primitive takes 1.
+  /// Approximate time of one evaluation; a primitive takes 1.
   double cost() const { return cost_; }
   int depth() const { return depth_; }
-  /// Of the thinnest part, as far as primitives and shells tell: what combinations leave of them may be thinner. What
-  /// offsets have made vanish is 0 or less, and counts only if there is nothing else.
+  /// Thickness of the thinnest part, derived from primitives and shells; combinations may leave thinner parts. Parts
+  /// that offsets remove have a thickness of at most 0, which counts only if there are no others.
   double thickness() const { return thickness_; }
-  /// Of the thinnest hole: the complement's thickness.
+  /// Thickness of the thinnest hole, that is, of the complement.
   double hollow_thickness() const { return hollow_thickness_; }
-  /// The largest length that its values are computed from, coordinates of points aside: these are rounded as it is.
+  /// The largest length in the computation of its values, besides coordinates of points; it determines the rounding
+  /// error.
   double magnitude() const { return magnitude_; }
-  /// The same from the extents alone: the least effort.
+  /// The bound from the extents alone, the cheapest one.
   double far_value(double sign, const Vec3& x, double radius) const;
   const Extents& extents() const { return extents_; }
   const Extents& hollow_extents() const { return hollow_extents_; }
@@ -95,13 +96,13 @@ class SolidNode {
     double cost = 1;
     int depth = 1;  ///< one more than the deepest child's
     double thickness = kUnbounded, hollow_thickness = kUnbounded;
-    double magnitude = 0;  ///< as far as extents do not tell
+    double magnitude = 0;  ///< beyond the magnitude of the extents
   };
-  /// Those of a child's parent that has no other.
+  /// Traits of a parent whose only child this is.
   static Traits above(const SolidNode& child);
-  /// Throws ArgumentError if the tree has become too deep or has too many pieces.
+  /// Throws ArgumentError if the tree is too deep or has too many pieces.
   explicit SolidNode(const Traits& traits);
-  /// To be called by each constructor of a class that is not derived from any more.
+  /// Must be called by the constructor of each most derived class.
   void keep_extents();
 
  private:
@@ -115,10 +116,10 @@ class SolidNode {
   Extents extents_{}, hollow_extents_{};
 };
 
-/// By how much a node's values within `radius` of x may be off through rounding, at most.
+/// Upper bound of the rounding error of a node's values within `radius` of x.
 double value_rounding(const SolidNode& node, const Vec3& x, double radius);
 
-/// The smaller one of two thicknesses, of those that are positive.
+/// The smaller positive one of two thicknesses.
 double thinner(double a, double b);
 
 using NodePtr = std::shared_ptr<const SolidNode>;
@@ -127,7 +128,7 @@ using NodePtr = std::shared_ptr<const SolidNode>;
 void require_finite(const char* what, const char* name, double value);
 void require_finite(const char* what, const char* name, const Vec3& value);
 void require_positive(const char* what, const char* name, double value);
-/// The unit vector; a zero one is an error too.
+/// The unit vector; throws also for a zero vector.
 Vec3 require_direction(const char* what, const char* name, const Vec3& value);
 
 }  // namespace sansmesh::inline v1

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
@@ -13,6 +14,7 @@
 #include "sansmesh/dynamics/vertex_graph.h"
 #include "sansmesh/error.h"
 #include "sansmesh/search/box_levels.h"
+#include "sansmesh/search/space_order.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -127,9 +129,7 @@ void TetMap::State::gather(std::size_t level, std::size_t node, const Box3& box,
       if (part.empty()) continue;
       Box3 image;
       for (int k = 0; k < 8; ++k) {
-        const Vec3 p{k & 1 ? part.upper.x : part.lower.x, k & 2 ? part.upper.y : part.lower.y,
-                     k & 4 ? part.upper.z : part.lower.z};
-        const Vec3 d = p - a.corner;
+        const Vec3 d = box_corner(part, k) - a.corner;
         image.extend(a.image + a.jacobian[0] * d.x + a.jacobian[1] * d.y + a.jacobian[2] * d.z);
       }
       found.extend(common(image, a.to));
@@ -151,7 +151,7 @@ TetMap::TetMap(std::span<const Tet> tets, std::span<const Vec3> from, std::span<
     if (!is_finite(centers[t])) throw DataError("tetrahedra have positions that are not finite");
   }
   if (!whole.empty()) state->origin = whole.center();
-  for (const std::uint32_t t : order_in_space(centers)) {
+  for (const std::uint32_t t : space_order(centers)) {
     const Tet& c = tets[t];
     const TetGradients shape = tet_gradients(c, from);
     const double size = norm(from[c[1]] - from[c[0]]) * norm(from[c[2]] - from[c[0]]) * norm(from[c[3]] - from[c[0]]);

@@ -11,10 +11,10 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kMostRounds = 6;
-/// Edges bridge a crease if the triangles beside them differ by more than 15 degrees from each other, and their middles
-/// are off the surface by more than this share of their lengths; others are that much closer.
+/// Edges bridge a crease if the adjacent triangles differ by more than 15 degrees, and the midpoints of the edges are
+/// off the surface by more than this share of their lengths; the replacement must be closer by this factor.
 constexpr double kBridgeCosine = 0.966, kOffSurfaceShare = 0.02, kCloser = 0.5;
-/// 4√3 area / Σ edges² of the new triangles, and the cosine between their normals and those of the old ones.
+/// Bounds of 4√3 area / Σ edges² of the new triangles, and of the cosine between their normals and the old ones.
 constexpr double kLeastQuality = 0.05, kLeastAgreement = 0.2;
 
 double triangle_quality(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -46,7 +46,7 @@ std::size_t turn_edges_to_creases(TriangleMesh& mesh, const ScalarField& field) 
       const std::uint32_t a = surface.from(h), b = surface.to(h), c = surface.apex(h), d = surface.apex(g);
       const Vec3 left = normal_of(a, b, c), right = normal_of(b, a, d);
       const Vec3 new_left = normal_of(a, d, c), new_right = normal_of(d, b, c);
-      // A bridge turns a crease of two triangles by a quarter: one of both pairs of normals differs.
+      // A bridge rotates a crease of two triangles by a quarter turn: one of both pairs of normals differs.
       if (dot(left, right) > kBridgeCosine && dot(new_left, new_right) > kBridgeCosine) continue;
       const Vec3 mean = left + right;
       if (dot(new_left, mean) < kLeastAgreement || dot(new_right, mean) < kLeastAgreement) continue;
@@ -66,7 +66,7 @@ std::size_t turn_edges_to_creases(TriangleMesh& mesh, const ScalarField& field) 
     std::sort(bridges.begin(), bridges.end(), [](const Bridge& p, const Bridge& q) {
       return p.gain != q.gain ? p.gain > q.gain : p.half_edge < q.half_edge;
     });
-    // The worst first; what is beside one that has turned waits for the next round.
+    // The worst first; edges beside a flipped one wait for the next round.
     std::vector<std::uint8_t> touched(surface.triangles(), 0);
     std::size_t now = 0;
     for (const Bridge& bridge : bridges) {

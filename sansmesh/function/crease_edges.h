@@ -1,4 +1,4 @@
-// Edges of a mesh along the creases of the field that it was cut out of.
+// Aligns edges of a mesh with the creases of the field that it was extracted from.
 #pragma once
 
 #include "sansmesh/scalar_field.h"
@@ -6,8 +6,9 @@
 
 namespace sansmesh::inline v1 {
 
-/// Where an edge of a mesh reaches across a crease, between two vertices on it, the other diagonal of its two triangles
-/// takes its place: that whose middle is closer to the zero set of the field. Positions stay. How many edges turned.
+/// Flips edges that bridge a crease between two vertices on it: the edge is replaced by the other diagonal of its two
+/// triangles if that diagonal's midpoint is closer to the zero set of the field. Positions are unchanged. Returns the
+/// number of flipped edges.
 std::size_t turn_edges_to_creases(TriangleMesh& mesh, const ScalarField& field);
 
 }  // namespace sansmesh::inline v1

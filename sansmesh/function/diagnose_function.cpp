@@ -26,18 +26,18 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kErrorOverMedian = 6, kErrorOverSpacing = 0.25;
-/// Where around a support's foot the gradient is looked at: along the normal, in radii.
+/// Positions around a support's foot where the gradient is evaluated: along the normal, in radii.
 constexpr std::array<double, 5> kProbes{-0.6, -0.3, 0, 0.3, 0.6};
-/// Normals whose mean is shorter than this face all ways.
+/// A shorter mean of normals has no direction.
 constexpr double kOneWay = 0.2;
-/// An edit's ball reaches a little beyond the place.
+/// Extent of an edit's ball over that of the place.
 constexpr double kBallMargin = 1.05;
-/// A sheet is taken away whose share of vertices on components that stay is not larger than this.
+/// A sheet is removed if its share of vertices on kept components is at most this.
 constexpr double kShared = 0.1;
-/// Edits are tried so many times, without those that did harm within so many radii of their places.
+/// Edits are tried this often, each time without those that were harmful within this many radii of their places.
 constexpr int kTrials = 3;
 constexpr double kHarmMargin = 1.5;
-/// A mesh that is made anew may lose one sample more in so many: those just as far as is allowed.
+/// A remeshed surface may lose one more sample in this many, those at the limit distance.
 constexpr std::size_t kSpared = 20000;
 
 using Color = std::array<std::uint8_t, 3>;
@@ -50,7 +50,7 @@ struct Flagged {
   std::vector<double> value;
 };
 
-/// Largest gradient around each support's foot, within its own ball.
+/// Largest gradient around each support's foot, within its ball.
 std::vector<double> steepness(const PartitionOfUnity& field) {
   const PartitionData& data = field.data();
   const std::size_t n = data.supports.size(), probes = kProbes.size();
@@ -68,12 +68,12 @@ std::vector<double> steepness(const PartitionOfUnity& field) {
   return steepest;
 }
 
-/// Of so many unit normals with this sum.
+/// Mean of `count` unit normals with this sum.
 Vec3 mean_normal(const Vec3& sum, std::size_t count) {
   return norm(sum) > kOneWay * static_cast<double>(count) ? normalized(sum) : Vec3{};
 }
 
-/// Flagged supports with touching blocks make a place.
+/// Flagged supports with touching blocks form a place.
 void gather_places(const FittedFunction& function, Suspicion kind, const Flagged& flagged, Diagnosis& diagnosis) {
   const PartitionData& data = function.field.data();
   std::vector<std::uint32_t> ids;
@@ -123,7 +123,7 @@ void gather_places(const FittedFunction& function, Suspicion kind, const Flagged
   diagnosis.places.insert(diagnosis.places.end(), places.begin(), places.end());
 }
 
-/// Samples whose nearest vertex belongs to each component, times the area that each stands for, over its area.
+/// Total area of the samples whose nearest vertex belongs to each component, over its area.
 std::vector<double> component_evidence(const TriangleMesh& mesh, const MeshComponents& components,
                                        const FittedFunction& function) {
   const PointSet& samples = *function.samples;
@@ -137,14 +137,14 @@ std::vector<double> component_evidence(const TriangleMesh& mesh, const MeshCompo
   return evidence;
 }
 
-/// Components that hardly any samples stand for, 1 for each. The mesh is in the coordinates of the field.
+/// Components that hardly any samples represent, 1 for each. The mesh is in the coordinates of the field.
 std::vector<std::uint8_t> extra_components(const TriangleMesh& mesh, const MeshComponents& components,
                                            const FittedFunction& function) {
   const PartitionReport& report = function.field.report();
   const bool sampled = function.samples->size() > 0;
   std::vector<std::uint8_t> extra(components.size(), 0);
   if (report.open_area > 0) {
-    // A scene has parts of all sizes: what was seen belongs to it, however small beside the largest.
+    // A scene has parts of all sizes: a sampled part belongs to it, even if it is small beside the largest.
     if (!sampled) return extra;
     extra = detail::chosen_components(mesh, components, {}, *function.samples, report.spacing, true);
     for (std::uint8_t& e : extra) e = !e;
@@ -152,7 +152,7 @@ std::vector<std::uint8_t> extra_components(const TriangleMesh& mesh, const MeshC
   }
   const std::vector<double> evidence =
       sampled ? component_evidence(mesh, components, function) : std::vector<double>(components.size(), 1.0);
-  // The largest that is vouched for is what the others are measured against.
+  // The largest component with evidence is the reference for the others.
   double largest = 0;
   for (std::size_t c = 0; c < extra.size(); ++c)
     if (evidence[c] >= kLeastEvidence) largest = std::max(largest, components.area[c]);
@@ -161,7 +161,7 @@ std::vector<std::uint8_t> extra_components(const TriangleMesh& mesh, const MeshC
   return extra;
 }
 
-/// Extra components of the mesh, which is in the coordinates of the field: places, and the vertices on them.
+/// Finds extra components of the mesh, which is in the coordinates of the field: places, and the vertices on them.
 void find_extra_sheets(const FittedFunction& function, const TriangleMesh& mesh, const KdTree& feet,
                        Diagnosis& diagnosis, std::vector<std::uint8_t>& vertex_flag) {
   const MeshComponents components = find_components(mesh);
@@ -177,7 +177,7 @@ void find_extra_sheets(const FittedFunction& function, const TriangleMesh& mesh,
     const auto found = feet.nearest(Vec3f(mesh.origin + Vec3(mesh.vertices[v]) - data.origin));
     nearest[v] = found ? found->index : 0;
   });
-  // Of each sheet, vertices on components that are extra and on such that are not: a sheet may make several.
+  // For each sheet, the number of vertices on extra and on other components: a sheet may have several components.
   std::vector<std::array<std::size_t, 2>> vertices(sheets.size());
   std::vector<Box3f> box(components.size());
   std::vector<Vec3> normal(components.size());
@@ -203,7 +203,7 @@ void find_extra_sheets(const FittedFunction& function, const TriangleMesh& mesh,
     p.worst = function.frame.to_input(function.frame.to_input(components.area[c]));
     const std::uint32_t at = on[c].empty() ? 0 : on[c].front();
     const std::uint32_t sheet = on[c].empty() ? Sheets::kNone : sheets.of_support[at];
-    // Only a sheet of its own can be taken away without harm to others.
+    // Only a separate sheet can be removed without harm to others.
     if (sheet != Sheets::kNone && sheet != 0 && sheets.area[sheet] < 0.5 * sheets.area[0] &&
         static_cast<double>(vertices[sheet][0]) <= kShared * static_cast<double>(vertices[sheet][1])) {
       for (const std::uint32_t k : sheets.of_support) p.supports += k == sheet;
@@ -211,7 +211,7 @@ void find_extra_sheets(const FittedFunction& function, const TriangleMesh& mesh,
     if (p.supports > 0 && !proposed[sheet]) {
       proposed[sheet] = 1;
       Edit edit;
-      edit.select.all_but_largest = true;  // whatever other edits have done before
+      edit.select.all_but_largest = true;  // independent of previous edits
       edit.select.sheet_at = function.frame.to_input(data.origin + Vec3(data.supports[at].foot));
       edit.action = RemoveSupports{};
       p.edit = edit;
@@ -224,13 +224,13 @@ void find_extra_sheets(const FittedFunction& function, const TriangleMesh& mesh,
   diagnosis.places.insert(diagnosis.places.end(), places.begin(), places.end());
 }
 
-/// Constants are meant, and planes that a paper's fit borrowed for empty places have nothing to be judged by.
+/// Constants are intended, and planes that the published method borrowed for empty blocks cannot be judged.
 bool is_looked_at(const PartitionData& data, const Support& s) {
   return s.state == Support::fitted && !(data.paper && s.area == 0);
 }
 
-/// What to try for a place; `refits`: it can be fitted again in part. Planes are what few samples can carry; wide
-/// supports are what contradicting ones need.
+/// Suggests an edit for a place; `refits`: it can be refitted locally. Few samples determine planes only; contradicting
+/// ones need wide supports.
 void suggest(SuspiciousPlace& p, const DiagnoseOptions& options, double error_above, bool refits) {
   Edit edit;
   edit.select.ball = {p.position, kBallMargin * p.radius};
@@ -250,13 +250,13 @@ void suggest(SuspiciousPlace& p, const DiagnoseOptions& options, double error_ab
   p.edit = edit;
 }
 
-/// Samples without a surface, 1 for each.
+/// Samples far from the surface, 1 for each.
 std::vector<std::uint8_t> lost_samples_of(const FittedFunction& function, const TriangleMesh& mesh) {
   const PartitionReport& report = function.field.report();
   return far_samples(mesh, *function.samples, lost_beyond(report.spacing, report.noise));
 }
 
-/// The surface after all edits that are proposed, in the coordinates of the field; nothing if it cannot be had.
+/// The surface after all proposed edits, in the coordinates of the field; nothing if it cannot be made.
 std::optional<TriangleMesh> mended(const FittedFunction& function, const Diagnosis& diagnosis, Progress& progress) {
   MeshOptions meshing;
   meshing.carry_colors = false;
@@ -271,8 +271,8 @@ std::optional<TriangleMesh> mended(const FittedFunction& function, const Diagnos
   }
 }
 
-/// Takes the edits back around which samples lost their surface that `lost_before` says to have had one. False if that
-/// is none of them.
+/// Reverts the edits around which samples lost their surface that had one according to `lost_before`. False if no edit
+/// is responsible.
 bool take_back(const FittedFunction& function, const std::vector<std::uint8_t>& lost_before,
                const std::vector<std::uint8_t>& lost, Diagnosis& diagnosis) {
   std::vector<std::uint8_t> harmful(diagnosis.places.size(), 0);
@@ -295,7 +295,7 @@ bool take_back(const FittedFunction& function, const std::vector<std::uint8_t>& 
   return std::find(harmful.begin(), harmful.end(), 1) != harmful.end();
 }
 
-/// Tries the edits, and takes those back that take surface away from samples. `lost_before`: without any edit.
+/// Tries the edits, and reverts those that remove surface near samples. `lost_before`: without edits.
 void try_edits(const FittedFunction& function, const std::vector<std::uint8_t>& lost_before, Diagnosis& diagnosis,
                Progress& progress) {
   const auto most =
@@ -344,20 +344,20 @@ std::array<std::uint8_t, 3> suspicion_color(Suspicion kind) { return kColors[sta
 const OptionSchema& DiagnoseOptions::schema() {
   using O = DiagnoseOptions;
   static constexpr OptionRow rows[] = {
-      option<&O::coverage_below>({.text = "Fits are suspicious if samples cover less than this share of them",
+      option<&O::coverage_below>({.text = "Supports are suspicious if samples cover less than this share of them",
                                   .unit = "share",
                                   .range = {0, 1},
                                   .old_name = "coverage"}),
-      option<&O::error_above>({.text = "Fits are suspicious if their samples lie farther off than this (rms)",
+      option<&O::error_above>({.text = "Supports are suspicious if the rms distance of their samples exceeds this",
                                .unit = "length",
                                .from_data = "from data",
                                .range = positive(),
                                .old_name = "error"}),
-      option<&O::gradient_above>({.text = "Fits are suspicious if the gradient is longer than this, > 1",
+      option<&O::gradient_above>({.text = "Supports are suspicious if the gradient is longer than this, > 1",
                                   .unit = "norm",
                                   .range = {.least = 1, .above = true},
                                   .old_name = "gradient"}),
-      option<&O::places>({.text = "Report at most this many places of each kind", .range = at_least(0)})};
+      option<&O::places>({.text = "Largest number of reported places of each kind", .range = at_least(0)})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -398,7 +398,7 @@ Diagnosis diagnose_function(const FittedFunction& function, const DiagnoseOption
     const Support& s = data.supports[i];
     if (!is_looked_at(data, s)) continue;
     diagnosis.largest_gradient = std::max(diagnosis.largest_gradient, steepest[i]);
-    // Where samples end, a sheet that bounds no solid ends too: that is no defect.
+    // Where samples end, an open sheet ends too: that is no defect.
     of(Suspicion::low_coverage).flag[i] = !s.open && static_cast<double>(s.coverage) < options.coverage_below;
     of(Suspicion::low_coverage).value[i] = static_cast<double>(s.coverage);
     of(Suspicion::high_error).flag[i] = static_cast<double>(s.error) > error;
@@ -415,7 +415,7 @@ Diagnosis diagnose_function(const FittedFunction& function, const DiagnoseOption
   find_extra_sheets(function, mesh, feet, diagnosis, extra);
   for (const Suspicion kind : {Suspicion::low_coverage, Suspicion::high_error, Suspicion::steep})
     gather_places(function, kind, of(kind), diagnosis);
-  // At most so many of each kind.
+  // Limits the number of places of each kind.
   std::array<std::size_t, kSuspicions> kept{};
   std::erase_if(diagnosis.places,
                 [&](const SuspiciousPlace& p) { return ++kept[static_cast<std::size_t>(p.kind)] > options.places; });

@@ -1,4 +1,4 @@
-// Where a fitted function should not be trusted without a look, and edits that may mend it.
+// Finds doubtful regions of a fitted function and proposes edits that repair them.
 #pragma once
 
 #include <array>
@@ -16,10 +16,10 @@
 
 namespace sansmesh::inline v1 {
 
-/// The edits are tried together before they are proposed, and those taken back that do harm: after all of them no
-/// larger share of the samples is farther from the default mesh than lost_beyond (mesh_coverage.h), but for one in
-/// 20,000, which making a mesh anew may cost by itself. Takes as long as making two meshes, or up to four where edits
-/// do harm. Throws ArgumentError for bad options.
+/// The edits are tried together before they are proposed, and harmful ones are reverted: after all of them no larger
+/// share of the samples is farther from the default mesh than lost_beyond (mesh_coverage.h), up to one in 20,000, which
+/// may be lost by remeshing alone. Takes as long as making two meshes, or up to four if edits are harmful. Throws
+/// ArgumentError for invalid options.
 Diagnosis diagnose_function(const FittedFunction& function, const DiagnoseOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -16,15 +16,15 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A sheet is spurious, too, whose area is less than this share of the largest one's; of sheets that bound no solid
-/// only those are that fewer samples than so many stand for.
+/// A sheet is also spurious if its area is less than this share of the largest one's; an open sheet only if fewer
+/// samples than kFewSamples represent it.
 constexpr double kSmallSheet = 0.01, kFewSamples = 5;
 
-/// Boxes of changes become one where that is not much larger, and where there are many of them.
+/// Boxes of changes are merged if their union is at most this many times larger, and always if there are many of them.
 constexpr double kUnitedGrowth = 1.2, kAnyGrowth = 1e30;
 constexpr std::size_t kMostBoxes = 500;
 
-/// A place is on a sheet if one of its supports has its foot within so many edges of its block.
+/// A point is on a sheet if one of its supports has its foot within this many edges of its block.
 constexpr float kSheetReach = 2;
 
 template <class... Bodies>
@@ -34,7 +34,7 @@ struct Overloaded : Bodies... {
 template <class... Bodies>
 Overloaded(Bodies...) -> Overloaded<Bodies...>;
 
-/// kNone where no sheet is near.
+/// kNone if no sheet is near.
 std::uint32_t nearest_sheet(const PartitionData& data, const Sheets& sheets, const Vec3f& at) {
   std::uint32_t nearest = Sheets::kNone;
   float least = std::numeric_limits<float>::infinity();
@@ -52,7 +52,7 @@ std::optional<std::vector<std::uint8_t>> on_sheets(const FittedFunction& functio
   const PartitionData& data = function.field.data();
   const Sheets sheets = find_sheets(data, function.samples->positions);
   if (s.spurious_sheets && function.samples->size() == 0)
-    throw DataError("its samples were not kept: no sheet can be told to be spurious");
+    throw DataError("its samples were not kept: spurious sheets cannot be detected");
   const std::uint32_t wanted =
       s.sheet_at ? nearest_sheet(data, sheets, Vec3f(function.frame.from_input(*s.sheet_at) - data.origin))
                  : Sheets::kNone;
@@ -132,7 +132,7 @@ FunctionEditor::FunctionEditor(FittedFunction function) : function_(std::move(fu
 EditReport FunctionEditor::undo(int steps) {
   if (steps < 1) throw ArgumentError("undo: at least 1 step");
   if (static_cast<std::size_t>(steps) > before_.size())
-    throw ArgumentError(fmt::format("undo: there are {} edits to take back, not {}", before_.size(), steps));
+    throw ArgumentError(fmt::format("undo: there are {} edits to undo, not {}", before_.size(), steps));
   Before& then = before_[before_.size() - static_cast<std::size_t>(steps)];
   EditReport report;
   report.regions = changed_;
@@ -155,7 +155,7 @@ EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
   report.chosen = chosen.size();
   if (chosen.empty()) {
     report.what = "nothing is selected";
-    // An edit that does nothing can still be taken back, but is not worth remembering.
+    // An edit without effect can be undone, but is not recorded in the history.
     before_.push_back({function_.field, changed_, function_.history.size()});
     return report;
   }
@@ -211,12 +211,12 @@ EditReport FunctionEditor::apply(const Edit& edit, Progress& progress) {
 namespace {
 
 constexpr ReportRow kEditReportRows[] = {
-    reported<&EditReport::what>({.text = "One line on what was done"}),
+    reported<&EditReport::what>({.text = "The edit as one line of text"}),
     reported<&EditReport::chosen>({.name = "selected", .text = "Supports that were selected"}),
-    reported<&EditReport::supports>({.text = "Supports that stand in their place"}),
+    reported<&EditReport::supports>({.text = "Supports that replaced them"}),
     reported<&EditReport::changed>(
         {.text = "Corners of the box in which the function may have changed", .unit = "length"}),
-    reported<&EditReport::regions>({.name = "boxes", .text = "Boxes that hold all of that, more closely"})};
+    reported<&EditReport::regions>({.name = "boxes", .text = "Boxes whose union contains the change"})};
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Editing of fitted functions in the coordinates of their input: choose supports, replace what they hold, take it back.
+// Editing of fitted functions in input coordinates: selection, replacement and undo.
 #pragma once
 
 #include <optional>
@@ -14,17 +14,17 @@
 
 namespace sansmesh::inline v1 {
 
-/// A function, and what it was before each edit.
+/// A function with its states before each edit.
 class FunctionEditor {
  public:
   explicit FunctionEditor(FittedFunction function);
 
   const FittedFunction& function() const { return function_; }
-  /// Throws ArgumentError for values out of range, DataError where it cannot be done (no samples, nothing would be
-  /// left); the function is then as it was. Nothing selected is no error.
+  /// Throws ArgumentError for values out of range, DataError if the edit is impossible (no samples, empty result); the
+  /// function is then unchanged. An empty selection is no error.
   EditReport apply(const Edit& edit, Progress& progress);
-  /// Where anything differs from the function that the editor was given (input coordinates): in the union of these
-  /// boxes, which may overlap; none: nowhere.
+  /// Differences from the function that the editor was given (input coordinates): within the union of these boxes,
+  /// which may overlap; empty: none.
   const std::vector<Box3>& changed() const { return changed_; }
   std::size_t edits() const { return before_.size(); }
 
@@ -32,7 +32,7 @@ class FunctionEditor {
   struct Before {
     PartitionOfUnity field;
     std::vector<Box3> changed;
-    std::size_t history;  ///< lines
+    std::size_t history;  ///< number of lines
   };
   EditReport undo(int steps);
 

@@ -1,4 +1,4 @@
-// Edit scripts: JSON in and out (docs/formats/edit-script.md).
+// Edit scripts: JSON input and output (docs/formats/edit-script.md).
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -22,10 +22,10 @@ using Json = detail::JsonValue;
 
 constexpr int kVersion = 1;
 
-/// Looks for fields that an object has twice while the text is parsed: the last one would win unnoticed.
+/// Detects duplicate fields of an object during parsing, where the last one would silently win.
 class TwiceGiven {
  public:
-  /// What the parser reports; true: go on.
+  /// Callback of the parser; true: continue.
   bool operator()(Json::parse_event_t event, const Json& parsed) {
     using Event = Json::parse_event_t;
     if (event == Event::key) {
@@ -41,7 +41,7 @@ class TwiceGiven {
     }
     return true;
   }
-  /// One line of the first; empty: none.
+  /// Description of the first duplicate in one line; empty: none.
   const std::string& what() const { return what_; }
 
  private:
@@ -49,13 +49,13 @@ class TwiceGiven {
     std::set<std::string> keys;
     std::string last;
   };
-  /// An object or a list that the parser is in.
+  /// An enclosing object or list of the parser's position.
   struct Open {
     std::unique_ptr<Object> object;  ///< null: a list
-    std::size_t elements = 0;        ///< of a list, so far
+    std::size_t elements = 0;        ///< number of elements of a list so far
   };
 
-  /// "step 3.select", as the other errors have it.
+  /// "step 3.select", as in the other errors.
   std::string where() const {
     const bool in_steps = open_.size() > 2 && open_[0].object && open_[0].object->last == "steps" && !open_[1].object;
     std::string place = in_steps ? fmt::format("step {}", open_[1].elements) : "the script";
@@ -176,7 +176,7 @@ Edit edit_of(const Json& json, const std::string& where) {
   return edit;
 }
 
-/// Fields that are not set are left out.
+/// Omits unset fields.
 template <class T>
 void put(Json& json, const char* key, const std::optional<T>& value) {
   if (value) json[key] = *value;

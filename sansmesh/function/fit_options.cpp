@@ -23,7 +23,7 @@ struct NamedCoverage {
 constexpr NamedCoverage kCoverages[] = {{"thesis", kThesisCoverage}, {"paper", kPaperCoverage}, {"none", kNoCoverage}};
 constexpr std::string_view kCoverageWords[] = {"thesis", "paper", "none"};
 
-/// Shares that samples have to cover: a word, or three numbers with commas between them.
+/// Least coverage by samples: a word, or three comma-separated numbers.
 struct CoverageWords {
   static constexpr auto kind = OptionKind::text;
   static OptionValue get(const PaperCoverage& coverage) {
@@ -49,8 +49,7 @@ struct CoverageWords {
 
 constexpr OptionRow kRows[] = {
     option<&FitOptions::fit>(
-        {.text = "Our own partition of unity, or that of the paper and the thesis, as they describe it",
-         .choices = kFits}),
+        {.text = "This library's partition of unity, or the published one (paper and thesis)", .choices = kFits}),
     option<&FitOptions::threshold>(
         {.text = "With `fit = paper`: accepted rms error of a local fit over the diagonal of the samples",
          .unit = "ratio",

@@ -13,7 +13,7 @@ namespace {
 /// In the unit of a prepared cloud, which is about 1 large.
 constexpr double kMostError = 10;
 
-/// With lengths in own coordinates.
+/// Converts lengths to local coordinates.
 PartitionOptions partition_options(const FitOptions& options, const LocalFrame& frame) {
   PartitionOptions fit;
   fit.max_depth = options.depth;
@@ -39,7 +39,7 @@ PaperOptions paper_options(const FitOptions& options) {
 
 FittedFunction fit_surface_function(PointSet points, const FitOptions& options, Progress& progress) {
   options.validate();
-  // A function keeps none: before the cloud is copied about.
+  // A function keeps no attributes: they are dropped before the cloud is copied.
   points.attributes.clear();
   points.triangle_attributes.clear();
   return fit_surface_function(prepare_cloud(std::move(points), {}, progress), options, progress);
@@ -47,7 +47,7 @@ FittedFunction fit_surface_function(PointSet points, const FitOptions& options, 
 
 FittedFunction fit_surface_function(PreparedCloud cloud, const FitOptions& options, Progress& progress) {
   options.validate();
-  cloud.points.attributes.clear();  // nor through the whole fit
+  cloud.points.attributes.clear();  // also drop them for the fit
   cloud.points.triangle_attributes.clear();
   if (options.is_paper()) {
     const bool faces = cloud.points.of_faces;

@@ -8,7 +8,7 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-/// Least gap of the blocks, for a mesh error that was asked for, in its unit: a coarse mesh is made from a finer one.
+/// Least gap of the blocks over a requested mesh error: a coarse mesh is made from a finer one.
 constexpr double kCoarseBlocks = 0.5;
 
 }  // namespace

@@ -1,4 +1,4 @@
-// How the mesh of a function is cut out of it; not part of the public interface.
+// Parameters of extracting the mesh of a function.
 #pragma once
 
 #include "sansmesh/function/fitted_function.h"
@@ -9,12 +9,12 @@
 namespace sansmesh::inline v1::detail {
 
 struct FunctionCut {
-  double mesh_error;  ///< length of the field
+  double mesh_error;  ///< in the unit of the field
   PolygonizeOptions meshing;
   BlockTree blocks;
 };
 
-/// `usual_error`: distance of mesh and surface where the options ask for none (length of the field).
+/// `usual_error`: default distance of mesh and surface (length of the field).
 FunctionCut prepare_cut(const FittedFunction& function, const MeshOptions& options, double usual_error);
 
 }  // namespace sansmesh::inline v1::detail

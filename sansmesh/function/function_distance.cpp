@@ -15,12 +15,13 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// How much closer to the function the mesh is than one that is made to be kept: offsets magnify how normals err.
+/// Error of this mesh over that of a normal mesh: offsets magnify errors of normals.
 constexpr double kFinerMesh = 0.2;
-/// How far beside the surface the function is asked for its side, in spacings, and what it must be there, at least.
+/// Distance from the surface, in spacings, at which the function determines the side, and least magnitude of its value
+/// there.
 constexpr double kBeside = 1, kSoundShare = 0.25;
 
-/// Fits see creases of more than 30 degrees. Shorter ones than so many spacings are noise.
+/// Fits have creases of more than 30 degrees. Creases shorter than kLeastCrease spacings are noise.
 constexpr double kFunctionCrease = 30, kLeastCrease = 5;
 
 TriangleMesh whole_mesh(const FittedFunction& function, Progress& progress) {
@@ -52,8 +53,8 @@ struct FunctionDistance::Parts {
     near = std::max(kBeside * spacing, 1e-6 * distance->bounds().diagonal());
   }
 
-  /// Of an open mesh: the side is that of the function next to the closest point, since the normals at a border
-  /// mislead. Values that change sign, as 1 or -1.
+  /// For an open mesh the side is that of the function next to the closest point, because normals at a border are
+  /// misleading. Returns 1 or -1, the factor of the values.
   std::vector<double> sides(std::span<const Vec3> x, std::span<const double> values,
                             std::span<const Vec3> gradients) const {
     std::vector<Vec3> beside(x.begin(), x.end());

@@ -9,12 +9,12 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Next to a closed sheet: as deep inside as among samples on all sides.
+/// Value next to a closed sheet: as deep inside as a point with samples on all sides.
 constexpr double kOnClosed = -0.42;
-/// Largest edge of the blocks along a border, in spacings of the samples there, and how far from these the border may
-/// be, in reaches.
+/// Largest edge of the blocks along a border, in spacings of the samples there, and largest distance of the border from
+/// these, in reaches.
 constexpr float kBorderBlock = 3.5f, kBorderWidth = 0.6f;
-/// Of so many samples at a border one tells whether a block is too large.
+/// Of this many samples at a border one determines whether a block is too large.
 constexpr std::size_t kEnough = 256;
 
 std::vector<Vec3f> feet(const PartitionData& data, bool open) {
@@ -27,10 +27,10 @@ std::vector<Vec3f> feet(const PartitionData& data, bool open) {
 Coverage coverage_of(const FittedFunction& function, std::optional<double> fill) {
   const PartitionReport& report = function.field.report();
   const PartitionData& data = function.field.data();
-  // Wider holes than the cube is are all that there is.
+  // Holes wider than the cube are unlimited.
   if (fill) fill = std::min(*fill, static_cast<double>(data.edge));
   if (function.samples->size() > 0) return {function.samples->positions, report.spacing, fill};
-  // Without samples each support stands for what fills its block.
+  // Without samples each support represents the samples of its block.
   std::vector<Vec3f> places;
   std::vector<float> spacings;
   for (const Support& s : data.supports.view()) {
@@ -41,7 +41,7 @@ Coverage coverage_of(const FittedFunction& function, std::optional<double> fill)
   return {places, spacings, fill};
 }
 
-/// The patches of closed sheets, where there are open ones, too.
+/// Winding number of the closed sheets, if there are open ones, too.
 GlobalSign solid_of(const PartitionData& data) {
   std::vector<OrientedPatch> patches = support_patches(data);
   std::size_t kept = 0;
@@ -52,7 +52,7 @@ GlobalSign solid_of(const PartitionData& data) {
   return both ? GlobalSign(patches, data.edge) : GlobalSign();
 }
 
-/// A membrane is where the winding number lies between these, far from 0 and 1.
+/// A membrane is where the winding number is between these bounds, far from 0 and 1.
 constexpr float kMembrane = 0.25f;
 
 }  // namespace
@@ -101,7 +101,7 @@ void FunctionDomain::ranges(std::span<const Vec3> x, double radius, std::span<Va
   parallel_ranges(0, x.size(), 1024, [&](std::size_t first, std::size_t last) {
     for (std::size_t i = first; i < last; ++i) {
       const Vec3f p(x[i]);
-      // Somewhere in the ball a closed sheet may be nearer than an open one.
+      // At some point of the ball a closed sheet may be nearer than an open one.
       if (found[i].least > 0 && closed_.size() > 0 && closed_.distance(p) <= open_.distance(p) + 2 * radius)
         found[i] = {-kInfinity, kInfinity};
       if (trim_ && samples_.distance(p) - radius > *trim_) found[i] = {1e-9, kInfinity};

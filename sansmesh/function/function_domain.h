@@ -1,5 +1,5 @@
-// Where the surface of a fitted function is cut off: where a sheet that bounds no solid runs out of samples, and where
-// trimming was asked for.
+// Domain of the surface of a fitted function: it ends where open sheets run out of samples, and at the trimming
+// distance.
 #pragma once
 
 #include <optional>
@@ -15,19 +15,19 @@
 
 namespace sansmesh::inline v1 {
 
-/// Divides the blocks along borders until these are no wider than what happens there, at most `deepest`.
+/// Divides the blocks along borders until these are no wider than the border, at most to level `deepest`.
 void refine_along(std::span<const Coverage::Border> borders, BlockTree& blocks, int deepest);
 
-/// Negative where there is surface, as PolygonizeOptions::domain wants it; in the coordinates of the function's field.
-/// On the membranes that close the holes of closed sheets there is surface even without samples.
+/// Negative where there is surface, as PolygonizeOptions::domain requires; in the coordinates of the function's field.
+/// The membranes that close the holes of closed sheets belong to the surface even without samples.
 class FunctionDomain : public ScalarField {
  public:
-  /// Lengths in the unit of the field. `fill`: holes of open sheets up to so wide are closed (Coverage). `trim`: no
-  /// surface farther than this from any sample, of whatever sheet. Without samples that were kept, the feet of the
-  /// supports stand for them.
+  /// Lengths in the unit of the field. `fill`: holes of open sheets up to this width are closed (Coverage). `trim`: no
+  /// surface farther than this from any sample, on all sheets. If samples were not kept, the feet of the supports
+  /// replace them.
   FunctionDomain(const FittedFunction& function, std::optional<double> fill, std::optional<double> trim);
 
-  /// Whether there are open sheets, or a surface to trim: whether it leaves anything out at all.
+  /// Whether there are open sheets, or a surface to trim.
   static bool needed(const FittedFunction& function, std::optional<double> trim);
 
   Box3 bounds() const override { return coverage_.bounds(); }
@@ -41,9 +41,9 @@ class FunctionDomain : public ScalarField {
   Coverage coverage_;
   std::optional<double> trim_;
   KdTree open_, closed_;  ///< feet of the supports
-  GlobalSign solid_;      ///< of the closed ones, if there are both
+  GlobalSign solid_;      ///< winding number of the closed ones, if there are both
   Vec3 origin_;
-  KdTree samples_;  ///< only to trim
+  KdTree samples_;  ///< for trimming only
 };
 
 }  // namespace sansmesh::inline v1

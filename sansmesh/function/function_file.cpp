@@ -14,16 +14,16 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Written in a fixed order, but read into maps: these find the fields of a hostile description quickly.
+/// Written in a fixed order, but read into maps, which find the fields of a malicious description quickly.
 using Json = nlohmann::ordered_json;
 using ReadJson = nlohmann::json;
 using Color = std::array<std::uint8_t, 3>;
 
 constexpr const char* kKind = "partition of unity";
-/// Blended without the precautions of the other: readers that know nothing of it must not take it for one.
+/// Kind of published blends, without the precautions of the default: older readers must not mistake one for the other.
 constexpr const char* kPlainKind = "plain partition of unity";
 constexpr std::size_t kMostLevels = 22;
-/// Limits of the description: bytes, and arrays within arrays.
+/// Limits of the description: bytes, and nesting of arrays.
 constexpr std::size_t kMostText = std::size_t{16} << 20;
 constexpr int kMostNested = 8;
 
@@ -32,7 +32,7 @@ Json optional_json(const std::optional<T>& value) {
   return value ? Json(*value) : Json();
 }
 
-/// A number as it was written; the conversions of the parser would wrap and overflow without a word.
+/// A number as written; the conversions of the parser would silently wrap and overflow.
 double number(const ReadJson& json) {
   if (!json.is_number()) throw DataError("a number is missing in its description");
   return json.get<double>();
@@ -58,7 +58,7 @@ std::optional<T> unless_null(const ReadJson& json, Get&& get) {
 }
 
 ReadJson parsed(std::string_view text) {
-  if (text.size() > kMostText) throw DataError("its description is longer than any that is written");
+  if (text.size() > kMostText) throw DataError("its description is too long");
   return ReadJson::parse(text, [](int depth, ReadJson::parse_event_t, ReadJson&) {
     if (depth > kMostNested) throw DataError("its description is nested too deeply");
     return true;
@@ -96,17 +96,22 @@ PartitionOptions options_of(const ReadJson& json) {
   for (std::size_t d = 0; d < o.coverage.size(); ++d) o.coverage[d] = number(json.at("coverage").at(d));
   o.max_eccentricity = number(json.at("max_eccentricity"));
   json.at("sharp").get_to(o.sharp);
-  if (json.contains("open") && !json.at("open").is_null()) o.open = json.at("open").get<bool>();  // from 1.2 on
+  if (json.contains("open") && !json.at("open").is_null()) o.open = json.at("open").get<bool>();  // since 1.2
   return o;
 }
 
 Json to_json(const PartitionReport& r) {
-  return {{"noise", r.noise},         {"error", r.error},
-          {"accuracy", r.accuracy},   {"area", r.area},
-          {"spacing", r.spacing},     {"depth", r.depth},
-          {"functions", r.functions}, {"functions_of_degree", r.functions_of_degree},
-          {"creased", r.creased},     {"open_area", r.open_area},
-          {"behind", r.behind}};
+  return {{"noise", r.noise},
+          {"error", r.error},
+          {"accuracy", r.accuracy},
+          {"area", r.area},
+          {"spacing", r.spacing},
+          {"depth", r.depth},
+          {"functions", r.functions},
+          {"functions_of_degree", r.functions_of_degree},
+          {"creased", r.creased},
+          {"open_area", r.open_area},
+          {"behind", r.mean_winding_number}};
 }
 
 Json to_json(const PaperOptions& o) {
@@ -139,9 +144,9 @@ PartitionReport report_of(const ReadJson& json) {
   for (std::size_t d = 0; d < r.functions_of_degree.size(); ++d)
     r.functions_of_degree[d] = whole<std::size_t>(json.at("functions_of_degree").at(d));
   r.creased = whole<std::size_t>(json.at("creased"));
-  if (json.contains("behind")) {  // from 1.2 on
+  if (json.contains("behind")) {  // since 1.2
     r.open_area = number(json.at("open_area"));
-    r.behind = number(json.at("behind"));
+    r.mean_winding_number = number(json.at("behind"));
   }
   return r;
 }
@@ -159,14 +164,14 @@ ScaleBasis basis_of(const ReadJson& json) {
   b.variance = number(json.at("variance"));
   b.accepted = number(json.at("accepted"));
   b.support = b.fit = number(json.at("support"));
-  if (json.contains("fit")) {  // from 1.2 on
+  if (json.contains("fit")) {  // since 1.2
     b.fit = number(json.at("fit"));
     b.height = number(json.at("height"));
   }
   return b;
 }
 
-/// What will be printed is one line.
+/// Printed lines are sanitised to one line each.
 std::vector<std::string> history_of(const ReadJson& json) {
   auto lines = json.get<std::vector<std::string>>();
   for (std::string& line : lines) line = printable(line);
@@ -184,7 +189,7 @@ std::vector<T> joined(const PartitionData& data, Get&& get) {
   return all;
 }
 
-/// The next `n` elements of an array that holds several.
+/// Takes the next `n` elements of an array that holds several.
 template <class T>
 class Cutter {
  public:
@@ -239,7 +244,7 @@ PointSet read_samples(const SectionFile& file, const PartitionData& data) {
   for (const Vec3f& p : samples.positions)
     if (!(norm(p - data.lower) <= 8 * data.edge)) throw DataError("its samples are not where its functions are");
   for (const Vec3f& v : samples.normals)
-    if (!(squared_norm(v) <= 1.01f)) throw DataError("the normals of its samples make no sense");
+    if (!(squared_norm(v) <= 1.01f)) throw DataError("the normals of its samples are invalid");
   return samples;
 }
 
@@ -247,7 +252,7 @@ PointSet read_samples(const SectionFile& file, const PartitionData& data) {
 
 void write_fitted_function(const std::string& file, const FittedFunction& function, bool with_samples) {
   const PartitionData& data = function.field.data();
-  // Nothing is written that could not be read again.
+  // An unreadable file is never written.
   try {
     data.validate();
   } catch (const Error& error) {
@@ -316,16 +321,16 @@ FittedFunction read_fitted_function(const SectionFile& file) {
     }
     data.validate();
     auto samples = std::make_shared<PointSet>(read_samples(file, data));
-    samples->of_faces = json.contains("of_faces") && json.at("of_faces").get<bool>();  // 1.2; not of clouds
+    samples->of_faces = json.contains("of_faces") && json.at("of_faces").get<bool>();  // since 1.2; not for clouds
     const LocalFrame frame{vector_of(json.at("origin")), number(json.at("unit"))};
     int exponent = 0;
     if (!(norm(frame.origin) <= 1e30 && frame.unit > 1e-60 && frame.unit < 1e30) ||
         std::frexp(frame.unit, &exponent) != 0.5)
-      throw DataError("its place in the input makes no sense");
+      throw DataError("its position in the input is invalid");
     std::vector<std::string> history = history_of(json.at("history"));
     return {PartitionOfUnity(std::move(data)), frame, std::move(samples), std::move(history), {}, {}};
   } catch (const nlohmann::json::exception&) {
-    throw FileError(file.file(), "damaged: its description (section META) makes no sense");
+    throw FileError(file.file(), "damaged: its description (section META) is invalid");
   } catch (const ArgumentError& error) {
     throw FileError(file.file(), fmt::format("damaged: {}", error.what()));
   } catch (const DataError& error) {

@@ -11,13 +11,13 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Cells along each side of the grid on which it is known where the function is far from zero.
+/// Cells along each side of the grid of lower bounds of the function.
 constexpr std::size_t kGrid = 32;
-/// Balls that are wider than so many cells are not looked up.
+/// Wider balls, in cells, are not looked up.
 constexpr double kMostCells = 4;
 
-/// The blocks of a function's mesh, asked for the smallest one near a point, and where the function is far from zero:
-/// far from its samples it takes longest to evaluate.
+/// Smallest block of the function's mesh near a point, and lower bounds of the function far from its samples, where its
+/// evaluation is slowest.
 class FunctionKnowledge final : public csg::FieldKnowledge {
  public:
   explicit FunctionKnowledge(const PartitionOfUnity& field)
@@ -87,8 +87,8 @@ class FunctionKnowledge final : public csg::FieldKnowledge {
   }
 
   BlockTree tree_;
-  std::vector<std::uint8_t> deepest_;  ///< level of the leaves below each block
-  std::vector<double> far_;            ///< on the grid: what values do not come closer to zero than, with their sign
+  std::vector<std::uint8_t> deepest_;  ///< level of the deepest leaf below each block
+  std::vector<double> far_;            ///< on the grid: signed bounds of the values closest to zero
 };
 
 }  // namespace

@@ -8,8 +8,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// A function as a solid, in the coordinates of its samples. It knows how small the blocks are in which mesh_function
-/// would cut it out, so that mesh_csg() need not be finer anywhere, nor coarser.
+/// A function as a solid, in the coordinates of its samples. It reports the block sizes of mesh_function, so that
+/// mesh_csg() uses the same resolution everywhere.
 Solid function_solid(std::shared_ptr<const FittedFunction> function);
 
 }  // namespace sansmesh::inline v1

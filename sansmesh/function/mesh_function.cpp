@@ -10,7 +10,7 @@
 #include "sansmesh/function/function_cut.h"
 #include "sansmesh/function/function_domain.h"
 #include "sansmesh/mesh/edit/clip_mesh.h"
-#include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/mesh_measures.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/polygonize/walk_surface.h"
@@ -18,7 +18,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// A box that holds the feet of all supports that reach into a box: the surface in it is followed from these.
+/// A box that contains the feet of all supports that reach into a box: starting points for the surface in it.
 Box3 with_seeds(const PartitionData& data, const Box3& box) {
   const Box3f near{Vec3f(box.lower - data.origin), Vec3f(box.upper - data.origin)};
   Box3 all = box;
@@ -32,7 +32,7 @@ Box3 with_seeds(const PartitionData& data, const Box3& box) {
   return all;
 }
 
-/// From the simplices at the samples, or where these were not kept at the feet of the supports, which stand for them.
+/// Walks from the simplices at the samples, or at the feet of the supports if the samples were not kept.
 TriangleMesh walked(const FittedFunction& function, const MeshOptions& options, const BlockTree& blocks,
                     Progress& progress, MeshReport& r) {
   const PartitionOfUnity& field = function.field;
@@ -97,7 +97,7 @@ TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& op
   r.open = f.open_area > 0;
   TriangleMesh mesh;
   if (walks) {
-    if (r.open) throw DataError("parts of the surface end where their samples end, which a walk cannot do");
+    if (r.open) throw DataError("the surface is open, and walks make closed surfaces only");
     BlockTree blocks = std::move(cut.blocks);
     blocks.balance();
     r.blocks = blocks.leaves().size();
@@ -111,7 +111,7 @@ TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& op
   if (box) {
     clip_mesh(mesh, {Vec3f(box->lower), Vec3f(box->upper)});
     if (mesh.triangles.empty()) throw DataError("there is no surface in the box");
-    // What the box cuts off says nothing about what a piece belongs to.
+    // Cuts by the box are irrelevant for the choice of components.
     if (finish.components.kind == ComponentChoice::Kind::automatic) finish.components.kind = ComponentChoice::Kind::all;
   }
   detail::finish_mesh(mesh, points, f.spacing, f.noise, cut.mesh_error, finish, r);
@@ -119,7 +119,7 @@ TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& op
   if (options.triangles && mesh.triangles.size() > *options.triangles)
     r.warnings.push_back(counted(mesh.triangles.size(), "triangle") + " instead of " + grouped(*options.triangles) +
                          ": each part, hole and handle needs some");
-  // An edit takes away what samples stand for on purpose.
+  // An edit removes the surface of samples on purpose.
   if (r.most_lost && function.history.empty()) {
     r.most_lost = frame.to_input(*r.most_lost);
     r.warnings.push_back(detail::lost_samples(r));

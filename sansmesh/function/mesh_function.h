@@ -1,4 +1,4 @@
-// From a fitted function to its mesh.
+// Extracts the mesh of a fitted function.
 #pragma once
 
 #include "sansmesh/function/fitted_function.h"
@@ -9,16 +9,16 @@
 namespace sansmesh::inline v1 {
 
 /// The zero set of the function as a manifold mesh (closed unless it bounds no solid, was trimmed or cut by the box),
-/// in the coordinates of the input. The report is written anew. Throws DataError if nothing of it is left,
-/// ArgumentError for bad options.
+/// in the coordinates of the input. Overwrites the report. Throws DataError if the result is empty, ArgumentError for
+/// invalid options.
 TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& options, Progress& progress,
                            MeshReport* report = nullptr);
 
 /// Whether that mesh is made by a walk (Mesher).
 bool is_walked(const FittedFunction& function, const MeshOptions& options);
 
-/// Distance between mesh and surface worth aiming at, given what fitting learned: two fifths of the surface's own
-/// error, but not so little that there are many more vertices than samples.
+/// Recommended distance between mesh and surface: two fifths of the surface's own error, but large enough that there
+/// are not many more vertices than samples.
 double default_mesh_error(const PartitionReport& report);
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,5 @@
 #include "sansmesh/function/mesh_patches.h"
+#include "sansmesh/core/edge_key.h"
 
 #include <algorithm>
 #include <array>
@@ -7,17 +8,18 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
-#include "sansmesh/mesh/repair/same_places.h"
+#include "sansmesh/data/triangles.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 struct MeshEdge {
-  std::uint64_t ends;       ///< both vertices, the smaller one first
+  std::uint64_t ends;       ///< both vertices, the smaller index first
   std::uint32_t half_edge;  ///< 3 · triangle + k
 };
 
-/// Numbers the roots of some sets in the order in which they come; the others keep kSmooth.
+/// Numbers the roots of some sets in their order; the others keep kSmooth.
 std::uint32_t number_sets(UnionFind& sets, std::vector<std::uint32_t>& of) {
   std::vector<std::uint32_t> number(of.size(), MeshPatches::kSmooth);
   std::uint32_t count = 0;
@@ -33,7 +35,7 @@ std::uint32_t number_sets(UnionFind& sets, std::vector<std::uint32_t>& of) {
 }  // namespace
 
 MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double least_crease) {
-  const std::vector<std::uint32_t> same = first_at_place(mesh.vertices);
+  const std::vector<std::uint32_t> same = first_equal_positions(mesh.vertices);
   const std::size_t n = mesh.triangles.size();
   triangles.resize(n);
   normal.resize(n);
@@ -47,7 +49,7 @@ MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double l
   for (std::uint32_t t = 0; t < n; ++t)
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-      if (a != b) all.push_back({std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), 3 * t + k});
+      if (a != b) all.push_back({edge_key(a, b), 3 * t + k});
     }
   std::sort(all.begin(), all.end(), [](const MeshEdge& a, const MeshEdge& b) {
     return a.ends != b.ends ? a.ends < b.ends : a.half_edge < b.half_edge;
@@ -63,7 +65,7 @@ MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double l
     return true;
   };
   UnionFind faces(n);
-  std::vector<std::uint32_t> creases;  // half-edges, one of each crease
+  std::vector<std::uint32_t> creases;  // one half-edge of each crease
   curve.assign(3 * n, kSmooth);
   across.assign(3 * n, kSmooth);
   for (std::size_t i = 0, j; i < all.size(); i = j) {
@@ -81,7 +83,7 @@ MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double l
       if (triangles[t][h % 3] == triangles[u][g % 3]) {
         ++edges.tangled;
       } else if (normal[t] == Vec3{} || normal[u] == Vec3{}) {
-        // Without area: it goes with what is behind its longest edge.
+        // Without area: it belongs to the triangle behind its longest edge.
         smooth = longest(normal[t] == Vec3{} ? h : g);
       } else {
         smooth = dot(normal[t], normal[u]) >= cosine;
@@ -93,8 +95,7 @@ MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double l
     for (std::size_t k = i; k < j; ++k) curve[all[k].half_edge] = static_cast<std::uint32_t>(creases.size());
     creases.push_back(all[i].half_edge);
   }
-  // Creases that meet in twos are one curve; short ones that end nowhere are none, and what is left then is looked at
-  // again.
+  // Creases that meet in pairs are one curve. Short curves with free ends are removed, and the rest is processed again.
   place.assign(mesh.vertices.size(), kSmooth);
   std::vector<std::uint8_t> count;
   std::vector<std::uint32_t> first, chain(creases.size(), 0);

@@ -25,28 +25,28 @@ namespace {
 
 constexpr std::size_t kFieldBatch = 256;
 constexpr double kCreaseDegrees = 20;
-/// Closer to the surface than this share of the diagonal creases are sharp: a twentieth of a usual cell.
+/// Within this share of the diagonal from the surface creases are sharp: a twentieth of a typical cell.
 constexpr double kSharp = 2e-4;
-/// Faces larger than so many usual ones are seen as several by the winding number, if that makes no more than so many
-/// more. Nearer than so many of their sizes the closest face tells the side; beyond, the winding number does where it
-/// is that far from 1/2.
+/// Faces larger than kUsualSize typical ones count as several in the winding number, if that adds at most kMostSeen.
+/// Within kTrustedSizes of their sizes the closest face determines the side; beyond, the winding number does if it
+/// differs from 1/2 by kDecided.
 constexpr double kUsualSize = 2, kTrustedSizes = 2;
 constexpr std::size_t kMostSeen = 500'000;
 constexpr float kDecided = 0.25f;
-/// A mean of normals is taken for the gradient if it is within 20 degrees of it.
+/// A mean of normals is used as the gradient if it is within 20 degrees of it.
 constexpr double kAlike = 0.94;
-/// Patches are planes if they depart from one by less than this share of the diagonal.
+/// Patches are planar if they deviate from a plane by less than this share of the diagonal.
 constexpr double kPlanar = 1e-6;
-/// The triangles off a patch are kept for each patch if these are no more than so many altogether.
+/// The triangles off a patch are stored for each patch if their total is at most this.
 constexpr std::size_t kMostOthers = 2'000'000;
 
-/// Above this share of its edges that are open, or belong to three faces, a mesh is no solid.
+/// A mesh with larger shares of open edges, or of edges with three faces, is no solid.
 constexpr double kOpenEdges = 0.01, kTangledEdges = 0.002;
-/// How many products of places and triangles are spent on looking whether faces lie inside.
+/// Limit of point-triangle pairs in the check for inside faces.
 constexpr std::size_t kInsideChecks = 8'000'000, kMostChecked = 200;
-/// Share of the places checked that may lie inside.
+/// Largest share of the checked points that may be inside.
 constexpr double kMostInside = 0.02;
-/// How far edges go through faces for these to count as crossing each other, as a share of the diagonal.
+/// Least depth of an intersection of faces, as a share of the diagonal.
 constexpr double kCrossingFaces = 1e-7;
 
 struct Foot {
@@ -70,7 +70,7 @@ double solid_angle(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 struct MeshField::Parts {
   struct Patch {
-    std::vector<std::uint32_t> triangles;  ///< of the mesh
+    std::vector<std::uint32_t> triangles;  ///< indices in the mesh
     bool planar = false;
     Vec3 normal;
     double offset = 0;
@@ -150,7 +150,7 @@ struct MeshField::Parts {
       for (std::size_t k = 0; k < 3; ++k)
         longest[t] =
             std::max(longest[t], norm(position(patches.triangles[t][(k + 1) % 3]) - position(patches.triangles[t][k])));
-    // Faces larger than usual count as several: each is seen as a point.
+    // Large faces count as several, because each is approximated by a point.
     std::vector<double> sorted = longest;
     std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(n / 2), sorted.end());
     double size = std::max(kUsualSize * sorted[n / 2], 1e-4 * diagonal);
@@ -185,8 +185,8 @@ struct MeshField::Parts {
     winding = GlobalSign(along, static_cast<float>(diagonal));
   }
 
-  /// Where faces cross each other the closest one may look the other way, and all that is closest to it would be on the
-  /// wrong side, however far: beyond a few edges the winding number decides.
+  /// Where faces cross each other the closest one may face the wrong way, which would reverse the side of all points
+  /// closest to it at any distance: beyond a few edges the winding number decides.
   void check_sides(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients) const {
     std::vector<std::size_t> far;
     std::vector<Vec3f> at;
@@ -235,7 +235,7 @@ struct MeshField::Parts {
     for (const TriangleMesh& m : lines) curves.emplace_back(m);
   }
 
-  /// What is closest on a crease or a corner: its piece without the side, kSmooth elsewhere.
+  /// The piece of the closest crease or corner without its side; kSmooth elsewhere.
   std::uint32_t place_of(const Foot& foot) const {
     if (const int k = corner_of(foot.part); k >= 0) return patches.place[patches.triangles[foot.triangle][k]];
     if (const int k = edge_of(foot.part); k >= 0)
@@ -254,7 +254,7 @@ struct MeshField::Parts {
     return sum;
   }
 
-  /// The normal that tells the side.
+  /// The normal that determines the side.
   Vec3 normal_of(const Foot& foot) const {
     const Triangle& t = patches.triangles[foot.triangle];
     if (const int k = corner_of(foot.part); k >= 0) return vertex_normal[t[static_cast<std::size_t>(k)]];
@@ -265,12 +265,12 @@ struct MeshField::Parts {
                    ? normal + patches.normal[other]
                    : edge_normal(t[static_cast<std::size_t>(k)], t[static_cast<std::size_t>(k + 1) % 3]);
     }
-    // Without area: as its corners.
+    // A triangle without area uses its corners.
     if (squared_norm(normal) < 1e-12) normal = vertex_normal[t[0]] + vertex_normal[t[1]] + vertex_normal[t[2]];
     return normal;
   }
 
-  /// The mean of the normals at the corners of a face, each of its patch only.
+  /// Mean of the normals at the corners of a face, restricted to its patch.
   Vec3 smooth_normal(const Foot& foot) const {
     const Triangle& t = patches.triangles[foot.triangle];
     const Vec3 a = position(t[0]), b = position(t[1]), c = position(t[2]);
@@ -294,7 +294,7 @@ struct MeshField::Parts {
     return {hit.point, triangle, at.part};
   }
 
-  /// Value and gradient that follow from a foot.
+  /// Value and gradient derived from a foot point.
   double value_at(const Vec3& query, const Foot& foot, Vec3* gradient) const {
     const Vec3 normal = normal_of(foot), away = query - foot.point;
     const double distance = norm(away), side = dot(away, normal);
@@ -366,7 +366,7 @@ struct MeshField::Parts {
   std::vector<Patch> all;
   std::vector<ClosestTriangle> curves;
   GlobalSign winding;
-  double trusted = 0;  ///< nearer than this the closest face alone tells the side
+  double trusted = 0;  ///< within this distance the closest face alone determines the side
 };
 
 MeshField::MeshField(TriangleMesh mesh, const Options& options)
@@ -427,7 +427,7 @@ void MeshField::evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std
       put(i, value, gradient);
       continue;
     }
-    // At the border of the patch its plane goes on.
+    // The plane of the patch continues beyond its border.
     const int k = corner_of(foot.part);
     gradient = k < 0 ? all.patches.normal[foot.triangle]
                      : normalized(all.normal_at(all.patches.triangles[foot.triangle][k], piece));
@@ -442,7 +442,7 @@ void MeshField::survey(std::span<const Vec3> x, const SurveyReach&, std::span<do
     around[i] = {};
     const std::uint32_t piece = all.piece_at(query, foot, values[i]);
     if (piece >= all.all.size() || !all.all[piece].others || all.place_of(foot) != MeshPatches::kSmooth) return;
-    // What is twice as far changes places with the patch no sooner than half-way.
+    // Another patch at twice the distance cannot become the closest before half-way.
     const double other = std::sqrt(all.all[piece].others->closest(query).squared_distance);
     around[i] = {std::max(0.0, (other - std::abs(values[i])) / 2), std::numeric_limits<double>::infinity()};
   });
@@ -452,8 +452,7 @@ namespace {
 
 const char* const kRemedy = "a reconstruction makes a closed mesh of it, a fit a function";
 
-/// Share of the faces beside which the winding number is not that of the surface of a solid: places beside some of
-/// them are asked.
+/// Share of faces, estimated at some of them, beside which the winding number is not that of the surface of a solid.
 double share_inside(const TriangleMesh& mesh) {
   const std::size_t n = mesh.triangles.size();
   const std::size_t places = std::clamp<std::size_t>(kInsideChecks / std::max<std::size_t>(n, 1) / 2, 8, kMostChecked);
@@ -477,16 +476,16 @@ double share_inside(const TriangleMesh& mesh) {
   return static_cast<double>(std::count(wrong.begin(), wrong.end(), 1)) / static_cast<double>(places);
 }
 
-/// Where faces cross each other what is inside is anyone's guess.
+/// Where faces cross each other the inside is ambiguous.
 void warn_of_crossings(const TriangleMesh& mesh, std::vector<std::string>& warnings) {
   const double diagonal = static_cast<double>(bounds(mesh).diagonal());
   const auto crossing = self_intersections(mesh, kCrossingFaces * diagonal);
   if (crossing.empty()) return;
   const Vec3 at = mesh.origin + Vec3(mesh.vertices[mesh.triangles[crossing[0][0]][0]]);
-  warnings.push_back(fmt::format(
-      "its faces go through each other in {}, such as at ({:.4g}, {:.4g}, {:.4g}): what is inside is not known there, "
-      "and the result may have faults and stray parts (`components = auto` leaves those out; {})",
-      counted(crossing.size(), "place"), at.x, at.y, at.z, kRemedy));
+  warnings.push_back(
+      fmt::format("its faces intersect in {}, for example at ({:.4g}, {:.4g}, {:.4g}): the inside is ambiguous there, "
+                  "and the result may have faults and stray parts (`components = auto` leaves those out; {})",
+                  counted(crossing.size(), "place"), at.x, at.y, at.z, kRemedy));
 }
 
 void turn_over(TriangleMesh& mesh) {
@@ -528,7 +527,7 @@ std::size_t close_holes(TriangleMesh& mesh) {
 }
 
 Solid mesh_solid(TriangleMesh given, bool rounded, std::vector<std::string>& warnings) {
-  TriangleMesh mesh;  // what else belongs to the vertices is of no use here
+  TriangleMesh mesh;  // other vertex data is not needed
   mesh.origin = given.origin;
   mesh.vertices = std::move(given.vertices);
   mesh.triangles = std::move(given.triangles);
@@ -547,7 +546,7 @@ Solid mesh_solid(TriangleMesh given, bool rounded, std::vector<std::string>& war
   }
   if (measure_size(mesh).volume < 0) {
     turn_over(mesh);
-    warnings.push_back("its faces point inward: turned over");
+    warnings.push_back("its faces point inward: reversed");
   }
   if (const double inside = share_inside(mesh); inside > kMostInside)
     throw DataError(fmt::format("about {:.0f} % of its faces lie inside of others or face the wrong way; {}",

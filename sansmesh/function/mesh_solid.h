@@ -12,20 +12,20 @@
 
 namespace sansmesh::inline v1 {
 
-/// The exact signed distance to the faces of a closed mesh. Its pieces are the smooth patches of the mesh, which end at
-/// creases (edges of more than 20 degrees), each going on beyond them along its faces' planes; and, with `rounded`,
-/// what is closest to a crease or a corner: the rounded edges of offsets. At the surface itself creases are sharp
-/// anyway.
+/// Exact signed distance to the faces of a closed mesh. Its pieces are the smooth patches of the mesh, bounded by
+/// creases (edges of more than 20 degrees), each continued beyond them along its faces' planes; and, with `rounded`,
+/// the regions closest to a crease or a corner: the rounded edges of offsets. At the surface itself creases are sharp
+/// in both cases.
 ///
-/// The side is that of the face, edge or vertex that is closest (Bærentzen and Aanæs 2005).
+/// The side is that of the closest face, edge or vertex (Bærentzen and Aanæs 2005).
 class MeshField final : public PiecewiseField {
  public:
   struct Options {
     bool rounded = false;
-    /// The mesh stands for something smooth: gradients within patches are means of its faces' normals.
+    /// The mesh approximates a smooth surface: gradients within patches are means of its faces' normals.
     bool smooth = false;
     double crease_angle = 20;  ///< degrees
-    double least_crease = 0;   ///< as of MeshPatches (length)
+    double least_crease = 0;   ///< see MeshPatches (length)
   };
 
   /// Throws DataError if there is no triangle.
@@ -48,9 +48,9 @@ class MeshField final : public PiecewiseField {
   std::unique_ptr<const Parts> parts_;
 };
 
-/// A mesh as a solid that is the distance to its faces, `rounded` where offsets of it are wanted. Throws DataError,
-/// one line with the remedy, where its faces bound no solid. Holes are closed by fans, and a mesh whose faces all point
-/// inward is turned over; `warnings` tells of both, and of faces that go through each other.
+/// A mesh as a solid whose field is the distance to its faces, `rounded` for offsets of it. Throws DataError, one line
+/// with the remedy, if its faces bound no solid. Holes are closed by fans, and a mesh whose faces all point inward is
+/// reversed; `warnings` reports both, and faces that intersect.
 Solid mesh_solid(TriangleMesh mesh, bool rounded, std::vector<std::string>& warnings);
 
 }  // namespace sansmesh::inline v1

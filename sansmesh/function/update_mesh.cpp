@@ -21,25 +21,26 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// What is made anew around a change, in edges of the largest block of the surface there: at first, and at most where
-/// that was not enough.
+/// Width of the remeshed region around a change, in edges of the largest block of the surface there: initially, and at
+/// most after retries.
 constexpr double kMargin = 2, kMostMargin = 64;
-/// Share of the surface beyond which making all of it anew is less work than patches that may not fit, either.
+/// With a larger share of the surface, remeshing all of it is less work than patches, which may fail to fit.
 constexpr double kMostWork = 0.5;
-/// Regions become one where that is not much larger.
+/// Regions are merged if their union is at most this many times larger.
 constexpr double kGrowth = 1.2;
-/// Vertices of old and new mesh are the same within this share of a triangle's edge.
+/// Vertices of old and new mesh are equal within this share of a triangle's edge.
 constexpr double kSame = 0.1;
-/// Share of the triangles off the changes that must agree; else the patches were not made as the mesh was.
+/// Least share of the triangles off the changes that must agree; otherwise the patches were not made like the mesh.
 constexpr double kAgreement = 0.5;
-/// So many vertices of a mesh are looked at.
+/// Number of tested vertices of a mesh.
 constexpr std::size_t kLookedAt = 30000;
-/// Share of the vertices off the changes that may lie off the surface in a mesh of the function, where it is steep.
+/// Largest share of the vertices off the changes that may be off the surface in a mesh of the function, where it is
+/// steep.
 constexpr double kOff = 0.01;
-/// A patch reaches so many blocks beyond its region.
+/// Extent of a patch beyond its region, in blocks.
 constexpr double kBeyond = 8;
 
-/// Colours for the vertices of patches in some boxes, from the samples around these.
+/// Colours of the vertices of patches in some boxes, from the samples around these.
 void color_patch(TriangleMesh& patch, const PointSet& samples, const std::vector<Box3f>& boxes) {
   PointSet near;
   for (std::size_t i = 0; i < samples.size(); ++i)
@@ -71,20 +72,18 @@ double mean_edge(const TriangleMesh& mesh) {
   return mesh.triangles.empty() ? 0 : sum / static_cast<double>(mesh.triangles.size());
 }
 
-std::string exact_place_words(const Vec3& p) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", p.x, p.y, p.z); }
-
-/// "34 %"; all only if it is all.
+/// "34 %"; "100 %" only if it is exactly all.
 std::string percent_of(double share) {
   const double percent = std::floor(1000 * share) / 10;
   return percent >= 10 || percent == 0 ? fmt::format("{:.0f} %", std::floor(percent))
                                        : fmt::format("{:.1f} %", percent);
 }
 
-/// A change, and how far around it the mesh is made anew.
+/// A change, and the width of the remeshed region around it.
 struct Pending {
   Box3 change;
-  double edge;  ///< of the largest block there
-  double margin;
+  double edge;    ///< edge of the largest block there
+  double margin;  ///< width, in such edges
   Box3 region() const { return widened(change, margin * edge); }
 };
 
@@ -106,12 +105,12 @@ class Updating {
         update_(update),
         cut_(detail::prepare_cut(function, options, default_mesh_error(function.field.report()))),
         ways_{cut_.meshing.simplify > 0} {
-    // Whether the mesh was simplified, where that is not known beforehand: which of the two agrees with it.
+    // If it is unknown whether the mesh was simplified, both ways are tried and the agreeing one is kept.
     if (ways_[0] && detail::may_skip_simplification(cut_.blocks.leaves().size(), options)) ways_ = {false, true};
     cut_.blocks.balance();
   }
 
-  /// False: it could not be done (update.why), and the mesh is spoiled.
+  /// False: the update failed (update.why), and the mesh is invalid.
   bool run(std::span<const Box3> changed) {
     std::vector<Pending> pending;
     pending.reserve(changed.size());
@@ -135,7 +134,7 @@ class Updating {
   }
 
  private:
-  /// Of the surface, 0..1.
+  /// Share of the surface, 0..1.
   double share_of(const std::vector<Pending>& pending) const {
     std::vector<Box3> regions;
     regions.reserve(pending.size());
@@ -153,12 +152,12 @@ class Updating {
   bool no_way(const Pending& p) {
     update_.why = agreement_ < kAgreement ? no_agreement()
                                           : "no border was found along which old and new triangles meet, around " +
-                                                exact_place_words(function_.frame.to_input(p.change.center()));
+                                                point_words(function_.frame.to_input(p.change.center()), 9);
     return false;
   }
 
-  /// Makes the surface in the regions anew, and joins it to the mesh where that is possible: 1 for each change where
-  /// not.
+  /// Remeshes the surface in the regions, and joins it to the mesh where possible. Returns 1 for each change where it
+  /// is not.
   std::vector<std::uint8_t> exchange(const std::vector<Box3>& regions, const std::vector<Pending>& pending) {
     std::vector<Box3f> changes;
     double widest = 0;
@@ -201,18 +200,18 @@ class Updating {
   Progress& progress_;
   MeshUpdate& update_;
   detail::FunctionCut cut_;
-  std::vector<bool> ways_;  ///< of simplification
-  double agreement_ = 1;    ///< of the last patches
+  std::vector<bool> ways_;  ///< whether to simplify
+  double agreement_ = 1;    ///< agreement of the last patches
 };
 
-/// False: it could not be done (u.why), and the mesh is as it was.
+/// False: the update failed (u.why), and the mesh is unchanged.
 bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::span<const Box3> changed,
                      const MeshOptions& options, Progress& progress, MeshUpdate& u) {
   const MeshMatch match = match_mesh(function, mesh, changed);
   const std::size_t off = match.vertices - match.on;
   if (static_cast<double>(off) > kOff * static_cast<double>(match.vertices)) {
     u.why = fmt::format("{} of {} vertices off the changes are not on the surface, the farthest at {}", grouped(off),
-                        grouped(match.vertices), exact_place_words(match.farthest_at));
+                        grouped(match.vertices), point_words(match.farthest_at, 9));
     return false;
   }
   // In the coordinates of the field.
@@ -224,7 +223,7 @@ bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::sp
   unite(changes, kGrowth);
   if (!Updating(function, options, moved, progress, u).run(changes)) return false;
   if (moved.triangles.empty()) {
-    u.why = "nothing of it would be left";
+    u.why = "the result would be empty";
     return false;
   }
   MeshReport report;
@@ -234,15 +233,13 @@ bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::sp
   return true;
 }
 
-/// Why options or function ask for all of the mesh; empty: they do not.
+/// Reason of the options or the function for remeshing everything; empty: none.
 std::string why_whole(const FittedFunction& function, const MeshOptions& options) {
-  if (is_walked(function, options)) return "it is walked, from all samples";
-  if (options.triangles) return "a number of triangles is one of the whole mesh";
-  if (options.trim || options.box) return "what is cut off is cut off of the whole mesh";
-  if (options.measure_quality || options.confidence.value_or(false))
-    return "what is measured of a mesh is of the whole";
-  if (FunctionDomain::needed(function, {}))
-    return "parts of the surface end where their samples end, and where that is follows from all of it";
+  if (is_walked(function, options)) return "it is meshed by a walk from all samples";
+  if (options.triangles) return "a number of triangles applies to the whole mesh";
+  if (options.trim || options.box) return "trimming and boxes apply to the whole mesh";
+  if (options.measure_quality || options.confidence.value_or(false)) return "measurements apply to the whole mesh";
+  if (FunctionDomain::needed(function, {})) return "the surface is open, and its border depends on all samples";
   return {};
 }
 
@@ -289,7 +286,7 @@ TriangleMesh update_mesh(const FittedFunction& function, TriangleMesh before, st
     u.local = true;
     return before;
   }
-  // What depends on the whole mesh can only be made from the whole.
+  // Properties of the whole mesh can only be computed from the whole.
   u.why = why_whole(function, options);
   u.local = u.why.empty() && update_in_place(function, before, changed, options, progress, u);
   if (u.local) return before;
@@ -300,12 +297,12 @@ TriangleMesh update_mesh(const FittedFunction& function, TriangleMesh before, st
 namespace {
 
 constexpr ReportRow kMeshUpdateRows[] = {
-    reported<&MeshUpdate::local>({.text = "Whether only parts were made anew"}),
+    reported<&MeshUpdate::local>({.text = "Whether only parts were remeshed"}),
     reported<&MeshUpdate::removed>({.text = "Triangles that were removed"}),
     reported<&MeshUpdate::added>({.text = "Triangles that were added"}),
-    reported<&MeshUpdate::regions>({.text = "Separate regions that were made anew"}),
-    reported<[](const MeshUpdate& r) { return told_if(!r.why.empty(), r.why); }>(
-        {.name = "why", .text = "Reason for which all was made anew"})};
+    reported<&MeshUpdate::regions>({.text = "Separate regions that were remeshed"}),
+    reported<[](const MeshUpdate& r) { return value_if(!r.why.empty(), r.why); }>(
+        {.name = "why", .text = "Reason for remeshing all of it"})};
 
 }  // namespace
 

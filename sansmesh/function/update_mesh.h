@@ -1,4 +1,4 @@
-// From the mesh of a function to the mesh of what edits made of it, where they changed it.
+// Updates the mesh of a function in the regions that edits changed.
 #pragma once
 
 #include <cstddef>
@@ -15,28 +15,29 @@
 
 namespace sansmesh::inline v1 {
 
-/// The mesh of an edited function, from the mesh that mesh_function made of it before with the same options: only what
-/// lies around `changed` (input coordinates, FunctionEditor::changed) is made anew, and joined where old and new have
-/// the same triangles. The same goes for what lies around the few vertices that are off the surface elsewhere, as in a
-/// mesh that is older than an edit. The whole mesh is made anew where that fails, where some of the surface is open,
-/// and where the mesh turns out to be another one. `before` may have gone through a file.
+/// Mesh of an edited function, from the mesh that mesh_function made of it before with the same options. Only the parts
+/// around `changed` (input coordinates, FunctionEditor::changed) are remeshed, and joined where old and new have the
+/// same triangles. So are parts around the few vertices that are off the surface elsewhere, as in a mesh that is older
+/// than an edit. The whole mesh is remeshed if that fails, if some of the surface is open, or if the mesh is not one of
+/// the function. `before` may have been written to and read from a file.
 TriangleMesh update_mesh(const FittedFunction& function, TriangleMesh before, std::span<const Box3> changed,
                          const MeshOptions& options, Progress& progress, MeshUpdate* update = nullptr);
 
-/// How far a mesh is one of a function, whoever made it and with whatever triangles.
+/// Agreement of a mesh with a function, for meshes of any origin.
 struct MeshMatch {
-  std::size_t vertices = 0;  ///< that were looked at
-  std::size_t on = 0;        ///< of them, those that lie on the surface
-  double near = 0;           ///< what counts as on it (length, input)
-  double farthest = 0;       ///< of them, distance from the surface, about (length, input)
-  Vec3 farthest_at;          ///< (input)
-  std::vector<Vec3> off;     ///< places of those that do not lie on the surface (input)
-  /// Fewer are off than a mesh of the function has where it is steep.
+  std::size_t vertices = 0;  ///< number of tested vertices
+  std::size_t on = 0;        ///< number of those on the surface
+  double near = 0;           ///< largest distance that counts as on the surface (length, input)
+  double farthest = 0;       ///< approximate largest distance from the surface (length, input)
+  Vec3 farthest_at;          ///< position of that vertex (input)
+  std::vector<Vec3> off;     ///< positions of tested vertices off the surface (input)
+  /// Fewer vertices are off than in a mesh of the function where it is steep.
   bool belongs() const { return vertices > 0 && 10 * on >= 9 * vertices; }
 };
 
-/// Looks at some tens of thousands of vertices, spread over the mesh. On the surface is what lies within the samples'
-/// spacing, or twice their noise if that is more. Vertices in the boxes `except` (input coordinates) are not looked at.
+/// Tests some tens of thousands of vertices, spread over the mesh. A vertex is on the surface within the samples'
+/// spacing, or within twice their noise if that is more. Vertices in the boxes `except` (input coordinates) are not
+/// tested.
 MeshMatch match_mesh(const FittedFunction& function, const TriangleMesh& mesh, std::span<const Box3> except = {});
 
 }  // namespace sansmesh::inline v1

@@ -107,10 +107,10 @@ void MeshOptions::validate_walk() const {
 namespace {
 
 /// Measured aspect ratios are at least 1.
-std::optional<double> if_measured(const MeshReport& r, double ratio) { return told_if(r.aspect_mean > 0, ratio); }
+std::optional<double> if_measured(const MeshReport& r, double ratio) { return value_if(r.aspect_mean > 0, ratio); }
 
 constexpr ReportRow kMeshReportRows[] = {
-    reported<[](const MeshReport& r) { return told_if(r.simplices > 0, r.simplices); }>(
+    reported<[](const MeshReport& r) { return value_if(r.simplices > 0, r.simplices); }>(
         {.name = "simplices", .text = "Simplices visited by a walk; absent without one"}),
     reported<&MeshReport::blocks>({.text = "Blocks"}),
     reported<&MeshReport::block_depth>({.text = "Deepest level of the tree of blocks"}),

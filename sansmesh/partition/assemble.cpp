@@ -18,7 +18,7 @@ void append_pieces(std::size_t support, std::span<const LocalFunction> pieces, s
   std::size_t tail = support;
   for (const LocalFunction& piece : pieces) {
     if (functions.size() >= static_cast<std::size_t>(std::numeric_limits<std::int32_t>::max()))
-      throw DataError("partition of unity: more local functions than can be counted");
+      throw DataError("partition of unity: too many local functions");
     functions.push_back(piece);
     functions.back().next = 0;
     functions[tail].next = static_cast<std::int32_t>(functions.size());
@@ -38,7 +38,7 @@ void sum_up(PartitionData& data) {
     report.depth = std::max<int>(report.depth, data.supports[i].level);
     report.creased += data.supports[i].creased;
     ++report.functions_of_degree[static_cast<std::size_t>(data.functions[i].degree)];
-    // Summed as the far field does it, in the precision of its patches.
+    // Summed like the far field, in the precision of its patches.
     const float area = norm(data.functions[i].nu * data.supports[i].area);
     report.area += area;
     if (data.supports[i].open) report.open_area += area;

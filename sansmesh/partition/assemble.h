@@ -1,4 +1,4 @@
-// From supports with their functions to the arrays of PartitionData. Internal to partition/.
+// Assembles supports and their functions into the arrays of PartitionData.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +11,11 @@
 
 namespace sansmesh::inline v1 {
 
-/// Place of a block along the Morton curve, with those of all levels.
+/// Position of a block along the Morton curve, comparable between levels.
 inline std::uint64_t curve_position(int level, std::uint64_t code) { return code << (3 * (20 - level)); }
 
-/// A support of old or new: its function, further pieces (those of old data are chained by `next` through `chain`,
-/// those of a fitted leaf are in `more`).
+/// A support from old data or a new fit: its function and further pieces (old data chain them by `next` through
+/// `chain`, a fitted leaf has them in `more`).
 struct LeafRef {
   const LocalFunction* function;
   const Support* support;
@@ -25,14 +25,14 @@ struct LeafRef {
 LeafRef ref_of(const PartitionData& data, std::size_t support);
 LeafRef ref_of(const FittedLeaf& leaf);
 
-/// Supports in the order of the Morton curve as the arrays of `data`, and their sums in its report.
+/// Writes supports, in the order of the Morton curve, to the arrays of `data`, and their sums to its report.
 void assemble(std::span<const LeafRef> leaves, PartitionData& data);
 
-/// Appends the further pieces of a support to its function and those of all others. Throws DataError where there are
-/// more functions than links can name.
+/// Appends the further pieces of a support to its function and the functions of all others. Throws DataError for more
+/// functions than links can address.
 void append_pieces(std::size_t support, std::span<const LocalFunction> pieces, std::vector<LocalFunction>& functions);
 
-/// The sums over the supports in the report of `data`.
+/// Computes the sums over the supports in the report of `data`.
 void sum_up(PartitionData& data);
 
 }  // namespace sansmesh::inline v1

@@ -6,14 +6,15 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Balls for blocks with too few samples, in units of its radius: of twice the area, and the parent's.
+/// Radii of larger balls for blocks with too few samples, in units of the ball's radius: twice the area, and the
+/// parent's ball.
 constexpr float kReaches[] = {1.41f, 2.0f};
-/// Slopes of the first plane against the mean normal for which the frame is turned. Below, the weights and residuals
-/// change by a hundredth at most; above, the plane is not that of the samples that face the mean normal.
+/// Slopes of the first plane against the mean normal for which the frame is rotated. Below, the weights and residuals
+/// change by at most a hundredth; above, the plane is not that of the samples that face the mean normal.
 constexpr float kLeastSlope = 0.1f, kMostSlope = 2.0f;
 
-/// The samples of the ball around `middle` that face the same way as f.nu, in f's frame. Returns the share of the
-/// weight that faces away.
+/// Projects the samples of the ball around `middle` that face the same way as f.nu into f's frame. Returns the share of
+/// the weight that faces away.
 float project(const SampleTree& tree, const Vec3f& middle, Workspace& ws, const LocalFunction& f, float height) {
   const auto positions = tree.positions();
   const auto normals = tree.normals();
@@ -45,8 +46,8 @@ void set_normal(LocalFunction& f, const Vec3f& nu) {
   tangent_frame(f.nu, f.xi, f.eta);
 }
 
-/// Distance of the samples' centre of gravity from the middle of the disc, relative to its radius: 0 in the interior of
-/// a surface, 0.28 at a straight border (under the weights (1 − t²)²).
+/// Distance of the samples' centre of gravity from the centre of the disc, relative to its radius: 0 in the interior of
+/// a surface, 0.28 at a straight border (with the weights (1 − t²)²).
 double eccentricity(const LocalSamples& s) {
   double u = 0, v = 0, n = 0;
   for (std::size_t i = 0; i < s.size(); ++i)

@@ -1,4 +1,4 @@
-// Least squares around a block: which samples, in which frame, up to which degree. Internal to partition/.
+// Least-squares fits around a block: selection of samples, local frame, and degree.
 #pragma once
 
 #include <array>
@@ -13,14 +13,14 @@
 
 namespace sansmesh::inline v1 {
 
-/// The blocks of a tree of samples and the balls around them.
+/// Blocks of a tree of samples and the balls around them.
 struct BlockFitter {
   const SampleTree& tree;
   const PartitionOptions& options;
   float support = 1.5f;  ///< radius of a support / circumscribed radius of its block
-  int deepest = 0;       ///< level that is fitted however many samples a block has
-  float fit = support;   ///< radius of the ball of samples that a fit starts from / circumscribed radius of the block
-  float height = 0;      ///< how far off the surface samples still count at least, for noise (length)
+  int deepest = 0;       ///< level whose blocks are fitted with any number of samples
+  float fit = support;   ///< radius of the initial ball of samples of a fit / circumscribed radius of the block
+  float height = 0;      ///< least distance off the surface up to which samples count, for noise (length)
 
   float block_edge(int level) const { return tree.edge() / static_cast<float>(1u << level); }
 
@@ -36,48 +36,49 @@ struct BlockFitter {
 };
 
 /// tr(G⁻¹ Σ w² m mᵀ) · Σ w / Σ w²: the degrees of freedom that a fit of each degree takes from Σ w r², in units of the
-/// weights' effective count; for w = (1 − t²)² over a disc. Less than the number of basis functions, since those that
-/// live near the rim, where the weights vanish, hardly take part.
+/// weights' effective count, for w = (1 − t²)² over a disc. Less than the number of basis functions, because those with
+/// most of their norm near the rim, where the weights vanish, have little effect.
 constexpr std::array<float, kMaxDegree + 1> kFreedom{1.0f, 7.0f / 3, 4.0f, 6.0f, 25.0f / 3};
 
-/// Reused from block to block.
+/// Buffers reused from block to block.
 struct Workspace {
   std::vector<std::uint32_t> ids;
   LocalSamples samples;
 };
 
-/// A ball shifted along the normal reaches farther from the block's centre than its radius: a surface through the block
-/// passes at most 1/1.5 of the radius of the default support away from the centre, and its disc around there ends
-/// √(1 + 1/1.5²) = 1.2 radii from the centre. The rest is for noise.
+/// Distance from the block's centre, over its radius, that a ball shifted along the normal reaches: a surface through
+/// the block passes at most 1/1.5 of the radius of the default support away from the centre, and its disc around there
+/// ends √(1 + 1/1.5²) = 1.2 radii from the centre. The rest is for noise.
 constexpr float kShift = 1.3f;
 
-/// That of a sample in a fit. t: squared distance from the middle of the ball over that of its rim, below 1.
+/// Weight of a sample in a fit. t: squared distance from the centre of the ball over the squared radius, below 1.
 inline float smooth_weight(float t) { return (1 - t) * (1 - t); }
 
-/// Indices of the samples in a ball (of every stride-th), from the given cells of a level.
+/// Collects the samples in a ball (every stride-th) from the given cells of a level.
 void gather(const SampleTree& tree, int level, const SampleTree::Neighbours& cells, const Vec3f& c, float radius,
             std::vector<std::uint32_t>& ids, std::size_t stride = 1);
 
-/// Gathers with the radius of a fit or, where too few samples are in it, with up to twice that (the parent's ball).
-/// Returns the factor, or 0 if even that ball holds too few.
+/// Collects samples within the radius of a fit or, if these are too few, within up to twice that (the parent's ball).
+/// Returns the factor, or 0 if even that ball has too few samples.
 float gather_enough(const BlockFitter& fitter, int level, std::uint32_t cell, const SampleTree::Neighbours& own,
                     const SampleTree::Neighbours& parents, std::vector<std::uint32_t>& ids);
 
 /// Fits all degrees around c to the samples in ws.ids. The frame's normal is the mean of the samples' normals,
-/// corrected where a first plane says that it is tilted (noisy normals). The ball is shifted along the normal until the
-/// surface passes through its middle: an off-centre ball cuts more noisy samples off on one side than on the other, a
-/// bias. `dropped` receives the share of the weight on samples that face away. `height`: where it exceeds the scale,
-/// the ball is stretched along the normal to reach so far.
+/// corrected if a first plane is tilted against it (noisy normals). The ball is shifted along the normal until the
+/// surface passes through its centre, because an off-centre ball would cut more noisy samples off on one side than on
+/// the other, a bias. `dropped` receives the share of the weight of samples that face away. `height`: if it exceeds the
+/// scale, the ball is stretched along the normal to this length.
 DegreeFits fit_local(const SampleTree& tree, const Vec3f& c, float scale, int max_degree, Workspace& ws,
                      LocalFunction& f, float* dropped = nullptr, float height = 0);
 
-/// Coverage k (METHODS §3.1): area of the box of the projected samples / area of the projected ball.
+/// Coverage k (tejada2008, 4.4.3): area of the box of the projected samples / area of the projected ball.
 double coverage(const LocalSamples& samples);
 
-/// Robustness (METHODS §3.1): curved polynomials only where the samples cover the support, and surround its middle.
+/// Robustness tests (tejada2008, 4.4.3): curved polynomials only if the samples cover the support and surround its
+/// centre.
 int highest_degree(const PartitionOptions& options, const DegreeFits& fits, const LocalSamples& samples);
 
-/// All samples of the ball around a fitted function's foot point, whichever way they face.
+/// All samples of the ball around a fitted function's foot point, including those that face away.
 void ball_samples(const SampleTree& tree, const LocalFunction& f, std::span<const std::uint32_t> ids,
                   std::vector<Vec3f>& position, std::vector<Vec3f>& normal, std::vector<float>& weight);
 

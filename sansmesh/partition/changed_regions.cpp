@@ -12,9 +12,9 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::size_t kMostRegions = 64;
-/// Cells along a side of the cube, at first.
+/// Initial number of cells along a side of the cube.
 constexpr int kRegionCells = 32;
-/// Boxes that touch become one where that is not much larger than the two.
+/// Touching boxes are merged if their union is at most this many times larger.
 constexpr float kGrowth = 1.2f;
 
 std::vector<Box3f> joined_in_cells(const std::vector<Box3f>& boxes, const Box3f& cube, int cells) {

@@ -11,15 +11,15 @@ namespace {
 
 constexpr float kCreaseCosine = 0.86f;  // normals that differ by more than 30° may belong to different sheets
 constexpr std::uint8_t kTooFew = 255;
-constexpr float kCornerSine = 0.5f;  // a normal that leaves the plane of the two sheets' normals by more makes a corner
+constexpr float kCornerSine =
+    0.5f;  // a larger deviation of a normal from the plane of the two sheets' normals makes a corner
 
-/// Where what two sheets are to each other cannot be told, the way of joining all that leaves the samples on the zero
-/// set is taken: with at most this mean square over that of the sheets by themselves, or this rms as a share of the
+/// If the relation of two sheets is ambiguous, the order of joining that leaves the samples on the zero set is used, if
+/// its mean square is at most kJoinedSquare times that of the separate sheets, or its rms at most kJoinedShare of the
 /// scale.
 constexpr double kJoinedSquare = 4, kJoinedShare = 1e-3;
 
-/// Puts the pieces in the order, and joined in the way, in which the samples come closest to the zero set. False: not
-/// close enough.
+/// Orders and joins the pieces to minimise the distance of the samples from the zero set. False: not close enough.
 bool join_by_samples(std::span<const Vec3f> positions, std::span<const float> weights, double mean_square, float scale,
                      std::vector<LocalFunction>& pieces) {
   const std::size_t sheets = pieces.size();
@@ -48,7 +48,7 @@ bool join_by_samples(std::span<const Vec3f> positions, std::span<const float> we
   return true;
 }
 
-/// Representative normals of the sheets: the two farthest apart, and a third if one stands out of their plane.
+/// Representative normals of the sheets: the two farthest apart, and a third if one deviates from their plane.
 std::vector<Vec3f> seed_sheets(std::span<const Vec3f> normals) {
   Vec3f mean;
   for (const Vec3f& n : normals) mean += n;
@@ -93,7 +93,7 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
     for (std::size_t s = 0; s < sheets; ++s) sheet[s] = normalized(sum[s]);
   }
 
-  // A sheet that the ball barely touches cannot be fitted; its few samples must not bend the others either.
+  // A sheet that the ball barely touches cannot be fitted; its few samples must not distort the others either.
   std::vector<std::size_t> count(sheets, 0);
   for (const std::uint8_t s : of) ++count[s];
   std::vector<std::uint8_t> rank(sheets, kTooFew);
@@ -128,8 +128,8 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
     if (spread > 0.06 * members) return result;
     const DegreeFits fits = fit_all_degrees(samples, std::min(max_degree, 2));
     if (fits.highest < 0) return result;
-    // A sheet's samples fill only part of the ball: bend it only where a plane is clearly not enough. Few samples give
-    // their plane by their normals alone.
+    // A sheet's samples fill only part of the ball: it is curved only if a plane is clearly insufficient. Few samples
+    // define their plane by their normals alone.
     f.degree = fits.highest >= 2 && fits.mean_square[2] < 0.5 * fits.mean_square[1] ? 2 : std::min(fits.highest, 1);
     f.coefficient = monomial_coefficients(fits, f.degree);
     squares += fits.mean_square[static_cast<std::size_t>(f.degree)] * scale * scale * fits.weight_sum;
@@ -137,7 +137,7 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
   }
   result.mean_square = squares / total;
 
-  // Sheets a, b meet in a convex crease if each lies on the inner side of the other.
+  // Sheets a and b meet in a convex crease if each is on the inner side of the other.
   const auto side = [&](std::size_t a, std::size_t b) {
     double sum = 0;
     for (std::size_t i = 0; i < n; ++i)
@@ -160,7 +160,7 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
   } else {
     const int ab = relation(0, 1), bc = relation(1, 2), ac = relation(0, 2);
     if (ab < 0 || bc < 0 || ac < 0) {
-      // One sheet lies on both sides of another, as in corners that are neither convex nor concave.
+      // One sheet is on both sides of another, as in corners that are neither convex nor concave.
       if (!join_by_samples(positions, weights, result.mean_square, scale, piece)) return result;
     } else {
       // The pair that differs from the other two is joined first.

@@ -1,4 +1,4 @@
-// What edits of a partition of unity take and give.
+// Arguments and results of edits of a partition of unity.
 #pragma once
 
 #include <cstddef>
@@ -12,22 +12,22 @@
 
 namespace sansmesh::inline v1 {
 
-/// Supports by their number, ascending.
+/// Indices of supports, ascending.
 using Selection = std::vector<std::uint32_t>;
 
-/// The samples of a function, along the Morton curve of its root cube, relative to its origin.
+/// Samples of a function in the order of the Morton curve of its root cube, relative to its origin.
 struct EditSamples {
   std::span<const Vec3f> positions, normals;
 };
 
 struct EditResult {
   PartitionData data;
-  Box3f changed;  ///< holds all places where the function may have changed (but for its far field)
-  /// The same more closely: boxes, 64 at most, whose union holds them; they may overlap.
+  Box3f changed;  ///< bounds the region where the function may have changed (except for its far field)
+  /// Finer bounds: at most 64 boxes whose union contains that region; they may overlap.
   std::vector<Box3f> regions;
-  std::size_t changes = 0;   ///< of the chosen supports, those that are not as before
-  std::size_t supports = 0;  ///< that took the place of those chosen
-  std::size_t lower = 0;     ///< of the changed ones, supports of a lower degree than was asked for
+  std::size_t changes = 0;   ///< chosen supports that changed
+  std::size_t supports = 0;  ///< supports that replaced the chosen ones
+  std::size_t lower = 0;     ///< changed supports of a lower degree than requested
 };
 
 }  // namespace sansmesh::inline v1

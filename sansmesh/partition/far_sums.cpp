@@ -14,8 +14,9 @@
 #ifndef SANSMESH_FAR_SUMS_ONCE
 #define SANSMESH_FAR_SUMS_ONCE
 namespace sansmesh::inline v1 {
-/// Squared distance from a group in squares of its radius: below the first its members count, beyond the second it
-/// counts as one. Closer up a group's 1/r⁶ is so far from that of its members that the hand-over would be steep.
+/// Squared distance from a group in squares of its radius: below the first bound its members are summed, beyond the
+/// second the group is approximated. Closer up, a group's 1/r⁶ differs so much from that of its members that the
+/// transition would be steep.
 constexpr float kOpen = 4.0f, kClosed = 5.0f;
 }  // namespace sansmesh::inline v1
 #endif
@@ -26,13 +27,13 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace pn = portable::HWY_NAMESPACE;
 
-/// Of a group or a patch at a vector of points: its parts of the sums that FarBatch names, and their gradients.
+/// Terms of a group or a patch at a vector of points in the sums of FarBatch, and their gradients.
 template <class V>
 struct FarTerms {
   V term[3], slope[3][3];
 };
 
-/// What all have at hand: the way to it, 1 / r and its squares, and its constants.
+/// Common quantities: the vector to the source, 1 / r and its squares, and the source's constants.
 template <class D>
 struct FarView {
   using V = hn::Vec<D>;
@@ -42,7 +43,7 @@ struct FarView {
   std::size_t k;
 
   V constant(const float (&row)[kTreeWidth]) const { return hn::Set(d, row[k]); }
-  /// A symmetric matrix, of a list of its six entries, times a vector.
+  /// Product of a symmetric matrix, given by its six entries, and a vector.
   static void times(const V (&m)[6], const V (&v)[3], V (&product)[3]) {
     product[0] = pn::MulAdd(m[0], v[0], pn::MulAdd(m[1], v[1], hn::Mul(m[2], v[2])));
     product[1] = pn::MulAdd(m[1], v[0], pn::MulAdd(m[3], v[1], hn::Mul(m[4], v[2])));
@@ -53,7 +54,7 @@ struct FarView {
   }
 };
 
-/// Of a patch.
+/// Terms of a patch.
 template <bool kGradient, FarSums kSums, class D, class V = hn::Vec<D>>
 HWY_INLINE void PatchTerms(const FarView<D>& at, FarTerms<V>& found) {
   const D d = at.d;
@@ -72,8 +73,8 @@ HWY_INLINE void PatchTerms(const FarView<D>& at, FarTerms<V>& found) {
   for (std::size_t a = 0; a < 3; ++a) found.slope[0][a] = pn::NegMulAdd(pull_of_dipole, normal[a], found.slope[0][a]);
 }
 
-/// Of a group, Σ ⟨s + d, a⟩ / |s + d|ⁿ for its place s away and members d from there, up to second order in d: with
-/// u = s / r and the moments M, T and t of Moments it is
+/// Terms of a group, Σ ⟨s + d, a⟩ / |s + d|ⁿ for its position s and members at s + d, up to second order in d: with u =
+/// s / r and the moments M, T and t of Moments it is
 /// (⟨u, Σa⟩ + (tr M − n ⟨u, Mu⟩) / r + n/2 ((n + 2) T(u, u, u) − ⟨u, t⟩) / r²) / rⁿ⁻¹.
 template <bool kGradient, FarSums kSums, class D, class V = hn::Vec<D>>
 HWY_INLINE void GroupDipole(const FarView<D>& at, const FarTree::Moments& moments, const V (&u)[3],
@@ -99,7 +100,7 @@ HWY_INLINE void GroupDipole(const FarView<D>& at, const FarTree::Moments& moment
                              pn::NegMulAdd(hn::Set(d, n), first, trace));
   found.term[0] = hn::Mul(power, pn::MulAdd(root, inner, zeroth));
   if (!kGradient) return;
-  // −∂/∂s: along u, and the rest.
+  // −∂/∂s: the part along u, and the rest.
   const V outer = pn::MulAdd(hn::Mul(root, hn::Set(d, 0.5f * (n + 2))), pn::MulSub(hn::Set(d, n + 4), second, round),
                              pn::NegMulAdd(hn::Set(d, n + 2), first, trace));
   const V away = hn::Mul(hn::Set(d, n), pn::MulAdd(root, outer, zeroth)), fall = hn::Mul(power, root);
@@ -110,8 +111,8 @@ HWY_INLINE void GroupDipole(const FarView<D>& at, const FarTree::Moments& moment
   }
 }
 
-/// Of a group, Σ w / |s + d|ᵐ for m = 4 and 6, likewise: with S and z of Moments
-/// (Σw + m/2 ((m + 2) ⟨u, Su⟩ − z) / r²) / rᵐ. Its place is the middle by weight, so that there is no first order.
+/// Σ w / |s + d|ᵐ of a group for m = 4 and 6, likewise: with S and z of Moments (Σw + m/2 ((m + 2) ⟨u, Su⟩ − z) / r²) /
+/// rᵐ. The position is the weighted centre, so that the first order vanishes.
 template <bool kGradient, FarSums kSums, class D, class V = hn::Vec<D>>
 HWY_INLINE void GroupWeights(const FarView<D>& at, const FarTree::Moments& moments, const V (&u)[3],
                              FarTerms<V>& found) {
@@ -135,11 +136,10 @@ HWY_INLINE void GroupWeights(const FarView<D>& at, const FarTree::Moments& momen
   }
 }
 
-/// Sums over all patches at up to kBatch points: Σ ⟨p − x, a⟩ / r³ (/ r⁶ of open ones), Σ area / r⁴, Σ area / r⁶ (and
-/// their gradients if kGradient), those that kSums names. A group counts as one where it is farther than about twice
-/// its radius; around that it hands over to its members smoothly, so that the sums do not jump. All points walk down
-/// the tree together, each with its own share in every group, so that what is found at one does not depend on the
-/// others.
+/// Sums over all patches at up to kBatch points: Σ ⟨p − x, a⟩ / r³ (/ r⁶ for open ones), Σ area / r⁴, Σ area / r⁶ (and
+/// their gradients if kGradient), as selected by kSums. A group is approximated beyond about twice its radius; near
+/// that distance it blends smoothly into its members, so that the sums are continuous. All points traverse the tree
+/// together, each with its own share in every group, so that the result at one point does not depend on the others.
 template <bool kGradient, FarSums kSums>
 void SumSourcesT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
   constexpr std::size_t kLanes = 16, kStack = 256;
@@ -150,7 +150,7 @@ void SumSourcesT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
     std::uint32_t level, octet;
   };
   Item stack[kStack];
-  // Of each item on the stack: the points' shares in it and, if kGradient, the gradients of those.
+  // For each item on the stack, the points' shares in it and, if kGradient, their gradients.
   HWY_ALIGN float shares[kStack][kLanes];
   HWY_ALIGN float slopes[kGradient ? kStack : 1][3][kLanes];
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
@@ -185,7 +185,7 @@ void SumSourcesT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
         const V t = pn::MulAdd(r2, hn::Set(d, inverse), hn::Set(d, -kOpen / (kClosed - kOpen)));
         const auto open = hn::And(hn::Lt(t, one), hn::Gt(whole, zero));
         if (!hn::AllFalse(d, open)) {
-          // The group's own part grows from 0 to 1 with t; the rest is its members'.
+          // The group's share grows from 0 to 1 with t; the rest belongs to its members.
           const V u = hn::Min(hn::Max(t, zero), one);
           const V part = hn::Mul(hn::Mul(u, u), pn::NegMulAdd(hn::Set(d, 2.0f), u, hn::Set(d, 3.0f)));
           share = hn::Mul(whole, part);
@@ -202,7 +202,7 @@ void SumSourcesT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
           if (hn::AllTrue(d, hn::Le(share, zero))) continue;
         }
       } else {
-        // A patch is a disc, not a point: soften within its radius.
+        // A patch is a disc, not a point: it is softened within its radius.
         r2 = hn::Add(r2, hn::Set(d, 0.25f * o.area[k]));
       }
       r2 = hn::IfThenElse(hn::Gt(share, zero), hn::Max(r2, hn::Set(d, 1e-12f)), one);

@@ -1,4 +1,4 @@
-// Sums over the patches of a tree at some points, sixteen of them at a time.
+// Sums over the patches of a tree, for sixteen points at a time.
 #pragma once
 
 #include <cstddef>
@@ -7,17 +7,17 @@
 
 namespace sansmesh::inline v1 {
 
-/// Points and the sums over all patches at each: of dipoles / r³ (of open ones / r⁶), of area / r⁴, of area / r⁶; and
-/// the gradients of those.
+/// Points and the sums over all patches at each: dipoles / r³ (/ r⁶ for open surfaces), area / r⁴, area / r⁶; and their
+/// gradients.
 struct FarBatch {
   static constexpr std::size_t kBatch = 16;
   alignas(64) float x[3][kBatch], sum[3][kBatch], slope[3][3][kBatch];
 };
-/// The sums that are asked for: the winding number's alone, and those of far fields.
+/// Kind of sums: the winding number only, or those of a far field.
 enum class FarSums { winding, closed, open };
 
-/// At the first `count` points of the batch; gradients are left alone unless `gradient`, of which a winding number has
-/// none.
+/// Computes the sums at the first `count` points of the batch. Gradients are unchanged unless `gradient`; a winding
+/// number has none.
 void sum_sources(const FarTree& tree, FarSums sums, bool gradient, std::size_t count, FarBatch& batch);
 
 }  // namespace sansmesh::inline v1

@@ -7,12 +7,13 @@
 #include <utility>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/parallel.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The moments of a group, as FarTree::Moments has them.
+/// Moments of a group, see FarTree::Moments.
 struct GroupMoments {
   std::array<double, 6> first{}, spread{};
   std::array<double, 10> second{};
@@ -22,7 +23,7 @@ struct GroupMoments {
 
 constexpr std::size_t kPair[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
-/// What a part at d from the place of `sum`, with its area vector and weight, is to it.
+/// Adds the contribution of a part at offset d from the position of `sum`, with its area vector and weight.
 void add_moments(const GroupMoments& part, const Vec3& d, const Vec3& area, double weight, GroupMoments& sum) {
   std::size_t at = 0;
   for (std::size_t i = 0; i < 3; ++i)
@@ -54,7 +55,7 @@ void store_moments(const GroupMoments& from, FarTree::Moments& to, std::size_t k
 
 std::vector<std::vector<FarTree::Moments>> moments_of(const std::vector<std::vector<FarTree::Octet>>& levels) {
   std::vector<std::vector<FarTree::Moments>> all;
-  std::vector<GroupMoments> below;  // of the members of the octets of a level
+  std::vector<GroupMoments> below;  // moments of the members of the octets of a level
   for (std::size_t l = 1; l < levels.size(); ++l) {
     std::vector<FarTree::Moments> moments(levels[l].size());
     std::vector<GroupMoments> groups(kTreeWidth * levels[l].size());
@@ -83,8 +84,8 @@ std::vector<std::vector<FarTree::Moments>> moments_of(const std::vector<std::vec
   return all;
 }
 
-/// Squared radius of a group at least, in weights of its heaviest patch: moments take s ≪ r² of every patch, and s / r²
-/// is 1/32 at most where the group begins to count, however near to each other its patches are, or alone.
+/// Least squared radius of a group, in weights of its heaviest patch: moments require s ≪ r² for every patch, and s /
+/// r² is at most 1/32 where the approximation begins, even for close or single patches.
 constexpr float kLeastReach = 2;
 
 }  // namespace
@@ -94,7 +95,7 @@ FarTree far_tree(std::span<const OrientedPatch> patches, float unit) {
     Vec3f position, area;
     float weight = 0, radius = -1;
     Box3f box;
-    float heaviest = 0;  // weight of a patch
+    float heaviest = 0;  // largest weight of a patch
   };
   std::vector<Item> items;
   for (const OrientedPatch& p : patches) {
@@ -121,15 +122,11 @@ FarTree far_tree(std::span<const OrientedPatch> patches, float unit) {
         }
         group.position = mean / group.weight;
         for (const Item& item : siblings) group.box.extend(item.box);
-        float far = 0;  // members' own extents count: two bounds, and the smaller one holds
+        float far = 0;  // smaller of two bounds that include the members' extents
         for (const Item& item : siblings)
           far = std::max(far, norm(item.position - group.position) + (level == 0 ? 0 : item.radius));
-        for (unsigned corner = 0; corner < 8; ++corner) {
-          const Vec3f at{corner & 1 ? group.box.lower.x : group.box.upper.x,
-                         corner & 2 ? group.box.lower.y : group.box.upper.y,
-                         corner & 4 ? group.box.lower.z : group.box.upper.z};
-          group.radius = std::max(group.radius, norm(at - group.position));
-        }
+        for (int c = 0; c < 8; ++c)
+          group.radius = std::max(group.radius, norm(box_corner(group.box, c) - group.position));
         group.radius = std::max(std::min(group.radius, far), std::sqrt(kLeastReach * group.heaviest));
         return group;
       });

@@ -8,13 +8,12 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kBottomless = std::numeric_limits<float>::infinity();
-constexpr float kSecondSheet = 0.2f;  ///< share of the samples in a block that must lie on another sheet
+constexpr float kSecondSheet = 0.2f;  ///< least share of the samples in a block on another sheet
 constexpr float kChamfer = 0.02f;     ///< mean gap along a crease, in units of the block's edge
 
-/// A triangle of edge e on a surface of curvature κ leaves κ e²/8; a plane fitted to a disc of radius R leaves an rms
-/// of 0.097 κ R² under the weights (1 − t²)², and the noise. Only half of the noise is taken off: its estimate is not
-/// so sure that what is left of a plane residual that is mostly noise could be trusted to be flat. h: edge of the
-/// block.
+/// A triangle of edge e on a surface of curvature κ leaves a gap of κ e²/8. A plane fitted to a disc of radius R leaves
+/// an rms of 0.097 κ R² with the weights (1 − t²)², plus the noise. Only half of the noise is subtracted, because its
+/// estimate is not exact enough to conclude that a plane residual that is mostly noise is flat. h: edge of the block.
 float gap_of(const Trial& t, float noise, float radius, float h) {
   if (t.plane() < 0) return kBottomless;
   const float bent = std::sqrt(std::max(0.0f, t.plane() - 0.5f * noise));

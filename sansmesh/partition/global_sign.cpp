@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 
 float plane_area_in_cube(const Vec3f& point, const Vec3f& normal, const Vec3f& lower, float edge) {
-  // A square of the plane that is larger than the cube, cut by the cube's six sides.
+  // A square of the plane that is larger than the cube, clipped by the cube's six sides.
   Vec3f t, b;
   tangent_frame(normal, t, b);
   const Vec3f middle = lower + Vec3f{edge, edge, edge} * 0.5f;
@@ -45,10 +45,10 @@ GlobalSign::GlobalSign(std::span<const OrientedPatch> patches, float unit, bool 
 
 namespace {
 
-/// From so many units away all patches are one point, and the sums of 1/r⁶ are still far from the smallest floats.
+/// At this distance, in units, all patches are one point, and the sums of 1/r⁶ are still far from the smallest floats.
 constexpr double kFar = 1000;
 
-/// The place in the same direction that is at most kFar away. `ratio`: how much farther x is.
+/// The point in the same direction at distance at most kFar. `ratio`: factor to the distance of x.
 Vec3f pulled_in(const Vec3f& x, float& ratio) {
   ratio = 1;
   const auto limited = [](float v) { return std::clamp(static_cast<double>(v), -1e25, 1e25); };
@@ -63,7 +63,7 @@ Vec3f pulled_in(const Vec3f& x, float& ratio) {
 
 namespace {
 
-/// The sums at some of the points, brought within kFar.
+/// The sums at some of the points, moved to within kFar.
 void sum_batch(const FarTree& tree, std::span<const Vec3f> x, float unit, FarSums sums, bool gradient, float* ratio,
                FarBatch& batch) {
   for (std::size_t i = 0; i < FarBatch::kBatch; ++i) {
@@ -89,9 +89,9 @@ void GlobalSign::winding_number(std::span<const Vec3f> x, std::span<float> value
 
 namespace {
 
-/// Over a plane at distance d, ∫ dA / r⁴ is π / d² and ∫ dA / r⁶ is π / (2 d⁴): their ratio is the square of a mean
-/// distance that grows no faster than r, however far away. `f.value` is a length; `in_units` the value at the place
-/// that the sums belong to, `ratio` times nearer.
+/// Over a plane at distance d, ∫ dA / r⁴ is π / d² and ∫ dA / r⁶ is π / (2 d⁴). The square root of their ratio is a
+/// mean distance that grows no faster than r. `f.value` is a length; `in_units` is the value at the point of the sums,
+/// `ratio` times nearer.
 void closed_value(const FarBatch& batch, std::size_t i, bool gradient, float ratio, float unit, FarValue& f,
                   float& in_units) {
   const float dipole = batch.sum[0][i], fourth = batch.sum[1][i], sixth = batch.sum[2][i];
@@ -132,7 +132,7 @@ void GlobalSign::far_values(std::span<const Vec3f> x, bool gradient, std::span<F
       f.weight = batch.sum[2][i];
       if (!gradient) continue;
       for (std::size_t a = 0; a < 3; ++a) f.weight_gradient[a] = batch.slope[2][a][i] / unit_;
-      if (ratio[i] > 1) {  // out there the values grow in proportion along the ray
+      if (ratio[i] > 1) {  // beyond kFar values grow in proportion along the ray
         const Vec3f p{batch.x[0][i], batch.x[1][i], batch.x[2][i]}, ray = normalized(p);
         f.gradient += ray * (in_units / norm(p) - dot(ray, f.gradient));
       }

@@ -10,18 +10,19 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Balls that are tried with noise, of about two and of four times the area.
+/// Radii of wider balls for noisy samples: about two and four times the area.
 constexpr float kWider[] = {1.41f, 2.0f};
-/// Share of the noise's part in what a wider fit leaves more than a narrow one that is forgiven: its estimate also
-/// holds shape that no fit followed.
+/// Share of the noise that is subtracted from the additional residual of a wider fit: the estimate of the noise also
+/// contains shape that no fit followed.
 constexpr double kForgiven = 0.5;
 constexpr float kSameWay = 0.8f;       ///< cosine between the frames of a fit and a wider one
-constexpr double kSteadier = 0.98;     ///< a wider fit must promise a little less risk
-constexpr float kAnotherSheet = 0.2f;  ///< share of the weight in a support on samples that face away
-constexpr double kCreaseGain = 0.25;   ///< share of a smooth fit's mean square that a creased one must stay below
+constexpr double kSteadier = 0.98;     ///< factor of risk that a wider fit must achieve
+constexpr float kAnotherSheet = 0.2f;  ///< share of the weight in a support of samples that face away
+constexpr double kCreaseGain = 0.25;   ///< largest mean square of a creased fit over that of a smooth one
 
-/// The pieces of a support with a crease; none if there is no crease, or none that explains the samples better than any
-/// smooth function does, robust or not. `smooth`: mean square of the smooth function chosen; of the crease, if found.
+/// Pieces of a support with a crease; none if there is no crease, or if it does not explain the samples better than all
+/// smooth functions, including those that fail the robustness tests. `smooth`: mean square of the chosen smooth
+/// function; replaced by that of the crease, if found.
 std::vector<LocalFunction> fit_pieces(const BlockFitter& fitter, const ScaleChoice& choice, const LocalFunction& f,
                                       double& smooth, FitWorkspace& ws) {
   if (!fitter.options.sharp || smooth <= std::max(2.0 * choice.variance, choice.accepted * choice.accepted)) return {};
@@ -34,10 +35,9 @@ std::vector<LocalFunction> fit_pieces(const BlockFitter& fitter, const ScaleChoi
   return std::move(crease.pieces);
 }
 
-/// Where a wider ball of samples leaves those of the fit no farther off than noise explains, it averages over more of
-/// it. The bias of the wider fit is measured where the fit counts: by how much more it leaves of the weighted squares
-/// of the narrow ball's samples, in the workspace, than noise by the difference of freedom. Replaces f, and returns its
-/// mean square.
+/// Widens the ball of a fit if its residual stays within the noise, to average over more samples. The bias of the wider
+/// fit is measured where the fit has weight: the increase of the weighted squares of the narrow ball's samples, in the
+/// workspace, beyond that of noise by the difference of freedom. Replaces f, and returns its mean square.
 double widen_fit(const BlockFitter& fitter, const Leaf& leaf, double noise, double count, double square,
                  FitWorkspace& ws, LocalFunction& f) {
   const LocalSamples& samples = ws.block.samples;
@@ -84,7 +84,8 @@ double widen_fit(const BlockFitter& fitter, const Leaf& leaf, double noise, doub
   return square;
 }
 
-/// Whether the ball of a support holds another sheet, the back of a thin wall say, whose supports it would fight with.
+/// Whether the ball of a support contains another sheet, such as the back of a thin wall, whose supports would conflict
+/// with it.
 bool faces_another_sheet(const BlockFitter& fitter, const Leaf& leaf, const LocalFunction& f, FitWorkspace& ws) {
   if (leaf.level == 0) return false;
   gather(fitter.tree, leaf.level - 1, ws.walk.parents(), f.center, f.radius, ws.block.ids);

@@ -1,4 +1,4 @@
-// From a chosen block to a support with its function. Internal to partition/.
+// Fits the support and function of a chosen block.
 #pragma once
 
 #include <vector>
@@ -8,14 +8,14 @@
 
 namespace sansmesh::inline v1 {
 
-/// A support with its function; of a creased one, with the further pieces in the order in which they are joined.
+/// A support with its function; if creased, with further pieces in joining order.
 struct FittedLeaf {
   LocalFunction function;
   std::vector<LocalFunction> more;
   Support support;
 };
 
-/// Reused from leaf to leaf; quickest where these follow the curve.
+/// Buffers reused from leaf to leaf; fastest if leaves follow the Morton curve.
 struct FitWorkspace {
   explicit FitWorkspace(const SampleTree& tree) : walk(tree) {}
   NeighbourWalk walk;
@@ -24,10 +24,10 @@ struct FitWorkspace {
   std::vector<float> weight;
 };
 
-/// The function of a chosen block, of the degree of its trial.
+/// Function of a chosen block, with the degree of its trial.
 FittedLeaf fit_leaf(const BlockFitter& fitter, const ScaleChoice& choice, const Leaf& leaf, FitWorkspace& ws);
 
-/// Fills in foot and area of a support from its function: the patch of surface in its block, the cube [lower, +edge]³.
+/// Computes foot and area of a support from its function: the patch of surface in its block, the cube [lower, +edge]³.
 void place_patch(const LocalFunction& f, const Vec3f& lower, float edge, Support& support);
 
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-// Moments by SIMD, then a Cholesky factorisation small enough for plain code.
+// SIMD moments and a small scalar Cholesky factorisation for the fits of all degrees.
 #include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/partition/local_fit.cpp"
@@ -18,9 +18,9 @@ namespace sansmesh::inline v1 {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The Gram matrix of the monomials holds few distinct numbers: the moments Σ weight u^a v^b up to twice the degree, at
-// d (d + 1) / 2 + b with d = a + b. Four partial sums on every target, added in one order; no fused multiply-add: its
-// rounding would differ from that of machines without it.
+// The Gram matrix of the monomials has few distinct entries: the moments Σ weight u^a v^b up to twice the degree, at d
+// (d + 1) / 2 + b with d = a + b. Four partial sums on every target, added in one order, and no fused multiply-add,
+// whose rounding would differ from that of instruction sets without it.
 template <int Degree>
 void Accumulate(const float* u, const float* v, const float* h, const float* w, std::size_t n, double* moments,
                 double* rhs, double* squares) {
@@ -133,8 +133,8 @@ DegreeFits fit_all_degrees(LocalSamples& samples, int max_degree) {
   if (!(m[0] > 0)) return fits;
   fits.effective_count = m[0] * m[0] / squares[1];
 
-  // Cholesky of the Gram matrix = Gram–Schmidt on the monomials in their order: row a of L makes basis function a
-  // orthonormal to those before it, so the fits of all degrees are prefixes of one another.
+  // The Cholesky factorisation of the Gram matrix is Gram–Schmidt on the monomials in their order: row a of L makes
+  // basis function a orthonormal to the previous ones, so the fit of each degree is a prefix of those above.
   double rest = squares[0];
   int basis = 0;
   for (int d = 0; d <= degree; ++d) {

@@ -1,4 +1,4 @@
-// Least-squares fits of a bivariate polynomial to the samples of one support, all degrees at once.
+// Least-squares fits of a bivariate polynomial to the samples of one support, for all degrees at once.
 #pragma once
 
 #include <array>
@@ -9,8 +9,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Samples of one support in its local frame, divided by the scale; a structure of arrays that is reused from fit to
-/// fit.
+/// Samples of one support in its local frame, divided by the scale; a reusable structure of arrays.
 class LocalSamples {
  public:
   std::size_t size() const { return size_; }
@@ -29,7 +28,7 @@ class LocalSamples {
   const float* v() const { return data_[1].data(); }
   const float* w() const { return data_[2].data(); }
   const float* weight() const { return data_[3].data(); }
-  /// Fills up to a whole number of vectors with samples of no weight.
+  /// Pads to a whole number of SIMD vectors with samples of weight 0.
   void pad() {
     const std::size_t n = size_;
     while (size_ % 4 != 0) add(0, 0, 0, 0);
@@ -52,8 +51,8 @@ struct DegreeFits {
   std::array<std::array<double, 15>, 15> l{};        ///< rows of the basis change (lower triangular)
 };
 
-/// Weighted least squares of w over (u, v) for every degree 0..max_degree. Degrees that the samples cannot determine
-/// (fewer than 2 samples a basis function, or a basis function that vanishes on them) are left out, and all above them.
+/// Weighted least squares of w over (u, v) for every degree 0..max_degree. Stops below the first degree that the
+/// samples do not determine (fewer than 2 samples per basis function, or a basis function that vanishes on them).
 DegreeFits fit_all_degrees(LocalSamples& samples, int max_degree);
 
 /// Monomial coefficients of the fit of one degree (<= fits.highest).

@@ -7,22 +7,22 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Where the slope of a polynomial is looked at: in the middle of its disc and on two rings around it. No point of the
-/// disc is farther from all of these than kApart of its radius: the farthest lie on the rim between two points of the
-/// outer ring, at √(1 + 0.84² − 2 · 0.84 cos 15°) = 0.2878.
+/// The slope of a polynomial is evaluated at the centre of its disc and on two rings around it. No point of the disc is
+/// farther from all of these than kApart of its radius: the farthest are on the rim between two points of the outer
+/// ring, at √(1 + 0.84² − 2 · 0.84 cos 15°) = 0.2878.
 struct Ring {
-  float radius;  ///< of the disc's
+  float radius;  ///< over that of the disc
   int points;
 };
 constexpr Ring kRings[] = {{0.48f, 6}, {0.84f, 12}};
 constexpr float kApart = 0.288f;
-/// More than all that rounding does to the sums below.
+/// Bound of the rounding errors in the sums below.
 constexpr float kRoundedUp = 1.0001f;
 
 struct Probe {
   float u, v;
 };
-/// The points of both rings on the disc of radius 1.
+/// Points of both rings on the unit disc.
 std::array<Probe, 18> make_probes() {
   std::array<Probe, 18> probes{};
   std::size_t n = 0;
@@ -39,8 +39,8 @@ float height_slope(const LocalFunction& f, float u, float v) {
   return std::hypot(g.u, g.v);
 }
 
-/// A bound for the norm of g's second derivatives where u² + v² ≤ r²: the Frobenius norm of bounds for each, in which
-/// |uv| ≤ r²/2.
+/// Bound for the norm of g's second derivatives where u² + v² ≤ r²: the Frobenius norm of bounds of each, with |uv| ≤
+/// r²/2.
 float height_bend(const LocalFunction& f, float r) {
   const auto c = [&](std::size_t i) { return std::abs(f.coefficient[i]); };
   float uu = 0, uv = 0, vv = 0;
@@ -90,7 +90,7 @@ float local_slope(const LocalFunction& f, const Vec3f& center, float radius) {
   float most = height_slope(f, u, v);
   static const std::array<Probe, 18> probes = make_probes();
   for (const Probe& p : probes) most = std::max(most, height_slope(f, u + r * p.u, v + r * p.v));
-  // From the nearest of these points, ∇g cannot change by more than its derivative allows.
+  // Between these points ∇g changes by at most the bound of its derivative.
   most += kApart * r * height_bend(f, std::hypot(u, v) + r);
   return std::hypot(1.0f, most) * kRoundedUp;
 }

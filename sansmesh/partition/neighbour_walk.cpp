@@ -13,10 +13,10 @@ NeighbourWalk::NeighbourWalk(const SampleTree& tree) : tree_(tree), steps_(stati
 void NeighbourWalk::go(int level, std::uint32_t cell) {
   level_ = static_cast<std::size_t>(level);
   step_to(level_, cell);
-  if (level_ > 0) step_to(level_ - 1, steps_[level_].around);  // if the cell was known, its parent may have gone on
+  if (level_ > 0) step_to(level_ - 1, steps_[level_].around);  // if the cell was known, its parent may have moved on
 }
 
-/// The cell of the level above that holds a cell: most often that of the cell before, or the next one.
+/// The cell of the level above that contains a cell: usually the parent of the previous cell, or the next one.
 std::uint32_t NeighbourWalk::parent_of(std::size_t level, std::uint32_t cell) const {
   const auto& child = tree_.level(static_cast<int>(level) - 1).child;
   const std::uint32_t guess = steps_[level - 1].cell;
@@ -47,7 +47,7 @@ void NeighbourWalk::find_children(Step& step, std::size_t above) const {
   for (int k = 0; k < 27; ++k) {
     const std::int32_t parent = steps_[above].own[static_cast<std::size_t>(k)];
     if (parent < 0) continue;
-    // Of the parent in the middle, the children's places on an axis are 1 and 2.
+    // The children of the parent in the centre have positions 1 and 2 on each axis.
     const int x = 2 * (k % 3) - 1, y = 2 * (k / 3 % 3) - 1, z = 2 * (k / 9) - 1;
     const auto p = static_cast<std::size_t>(parent);
     for (std::uint32_t c = child[p]; c < child[p + 1]; ++c) {

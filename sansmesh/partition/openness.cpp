@@ -13,25 +13,25 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// How far behind its surface a support looks, in radii of a disc as large as its patch: near enough that thin walls
-/// have room for it, and far enough that patches are seen as a surface. The largest number found counts.
+/// Depths behind the surface at which the winding number is evaluated, in radii of a disc of the patch's area: small
+/// enough for thin walls, and large enough for patches to act as a surface. The largest number counts.
 constexpr std::array<float, 3> kDepths{0.5f, 1.0f, 2.0f};
-/// A sheet across which the number falls by less is none.
+/// Least decrease of the winding number across a sheet.
 constexpr double kLeastJump = 0.25;
-/// Patches that look: in a sheet of more, every so many-th along the Morton curve, which tells the mean to a few
-/// thousandths.
+/// Largest number of sampled patches of a sheet: with more, every so many-th along the Morton curve, which gives the
+/// mean to a few thousandths.
 constexpr std::size_t kLookers = 8192;
-/// Sheets with less of the largest one's area, and those made of strays, follow the others.
+/// Sheets with less of the largest one's area, and those of stray samples, follow the others.
 constexpr double kSmallSheet = 0.02;
 
-/// What the disc that a patch is has more of the solid angle seen from `depth` radii behind it than the far field takes
-/// it to have, over 4π: next to a large patch that is not a point.
+/// Excess of the solid angle of a disc, seen from `depth` radii behind it, over that of the far field, divided by 4π:
+/// the correction for a close patch, which is not a point.
 float own_disc(float depth) {
   const float pi = std::numbers::pi_v<float>, r2 = depth * depth + 0.25f * pi;  // softened there
   return 0.5f * (1 - depth / std::sqrt(depth * depth + 1)) - depth / (4 * r2 * std::sqrt(r2));
 }
 
-/// Winding numbers on both sides of a patch, at the depth where that behind it is largest.
+/// Winding numbers on both sides of a patch, at the depth with the largest number behind it.
 struct Sides {
   float behind = -1, before = 0;
 };
@@ -59,8 +59,9 @@ std::vector<Sides> winding_sides(const GlobalSign& sign, std::span<const Oriente
   return sides;
 }
 
-/// The mean over the patches, weighted by their areas, behind a surface that has all of its area: across it the number
-/// falls by 1, and by less where patches are missing, as cells that hardly touch the surface have no samples.
+/// Mean over the patches, weighted by their areas, of the winding number behind a complete surface. Across it the
+/// number falls by 1, and by less where patches are missing, because cells that hardly touch the surface have no
+/// samples.
 double mean_behind(const GlobalSign& sign, std::span<const OrientedPatch> sheet) {
   const std::size_t stride = (sheet.size() + kLookers - 1) / kLookers;
   std::vector<OrientedPatch> patches;
@@ -89,8 +90,9 @@ void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, Parti
   for (std::size_t k = 0; k < sheets.size(); ++k)
     judged[k] = k == 0 || (sheets.area[k] >= kSmallSheet * sheets.area[0] && sheets.evidence[k] >= kLeastEvidence);
 
-  // A sheet is closed by itself (an object above a floor, which would take away from the sum of all), or together with
-  // others that are: a floor says nothing of the one below. So those that are open leave until nothing changes.
+  // A sheet is closed alone (an object above a floor, which would reduce the sum of all), or together with others that
+  // are closed: a floor is not informative about the one below. Therefore open sheets are removed until nothing
+  // changes.
   std::vector<double> behind(sheets.size()), alone(sheets.size());
   for (std::size_t k = 0; k < sheets.size(); ++k)
     if (judged[k]) alone[k] = mean_behind(GlobalSign(of_sheet[k], data.edge), of_sheet[k]);
@@ -123,7 +125,7 @@ void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, Parti
   }
   for (std::size_t k = 0; k < sheets.size(); ++k)
     if (!judged[k]) is_open[k] = 2 * open_area > area;
-  data.report.behind = area > 0 ? area_behind / area : 1;
+  data.report.mean_winding_number = area > 0 ? area_behind / area : 1;
   std::vector<Support> supports(data.supports.view().begin(), data.supports.view().end());
   for (std::size_t i = 0; i < n; ++i) {
     const std::uint32_t k = sheets.of_support[i];

@@ -1,4 +1,4 @@
-// Edits of what was fitted as the sources have it (tejada2008, section 4.4.4). Internal to partition/.
+// Edits of functions fitted by the published method (tejada2008, 4.4.4).
 #pragma once
 
 #include <optional>
@@ -9,11 +9,11 @@
 
 namespace sansmesh::inline v1 {
 
-/// Whether the samples of a support are too few for a plane, or do not cover as much of it as its degree needs.
+/// Whether a support has too few samples for a plane, or a lower coverage than its degree requires.
 bool fails_coverage(const LocalFunction& function, const Support& support, const PaperCoverage& coverage);
 
-/// Polynomials of this degree, or of the highest below it that the samples determine; absent: as the fit chooses. A
-/// support with too few samples for a plane stays as it was.
+/// Replaces polynomials by those of this degree, or of the highest below it that the samples determine; without a
+/// degree, by those of the fit's rule. A support with too few samples for a plane is unchanged.
 EditResult set_paper_degree(const PartitionData& data, const Selection& chosen, std::optional<int> degree,
                             const EditSamples& samples, Progress& progress);
 

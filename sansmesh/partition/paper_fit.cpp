@@ -17,11 +17,11 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// What became of a block.
+/// Decision on a block.
 struct Decision {
   enum Kind : std::uint8_t { leaf, kept, two_sheets, too_many, not_good, not_worse } kind = leaf;
   bool above = false;  ///< a leaf that is not good
-  FittedLeaf fitted;   ///< of a leaf
+  FittedLeaf fitted;   ///< leaves only
   std::vector<PaperBlock> children;
 };
 
@@ -29,7 +29,7 @@ class PaperTree {
  public:
   explicit PaperTree(const PaperFitter& fitter) : fitter_(fitter) {}
 
-  /// The leaves along the Morton curve.
+  /// Leaves in the order of the Morton curve.
   std::vector<FittedLeaf> grow(PaperBlock root, Progress& progress) {
     std::vector<PaperBlock> blocks;
     blocks.push_back(std::move(root));
@@ -64,8 +64,7 @@ class PaperTree {
   int depth() const { return static_cast<int>(levels_.size()) - 1; }
   const PaperReport& report() const { return report_; }
 
-  /// The tree as the polygoniser is told of it: what is subdivided is not flat at all, and leaves are as flat as they
-  /// need to be.
+  /// Tree for the polygoniser: subdivided blocks have an infinite gap, leaves a sufficiently small one.
   std::vector<PartitionData::Flatness> take_levels() {
     std::vector<PartitionData::Flatness> result(levels_.size());
     for (std::size_t l = 0; l < levels_.size(); ++l) {
@@ -118,8 +117,8 @@ class PaperTree {
     return d;
   }
 
-  /// Whether the children's approximations are farther from their samples than the parent's from its own, in the mean
-  /// of the squares. Children without samples have no error.
+  /// Whether the children's approximations have a larger mean squared distance from their samples than the parent's
+  /// from its own. Children without samples have no error.
   bool are_worse(const std::vector<PaperBlock>& children, const PaperLocal& parent, PaperFitter::Workspace& ws) const {
     double squares = 0;
     std::size_t n = 0;
@@ -134,7 +133,7 @@ class PaperTree {
   void place(FittedLeaf& leaf) const {
     const float h = fitter_.block_edge(leaf.support.level);
     place_patch(leaf.function, leaf.function.center - Vec3f{h, h, h} * 0.5f, h, leaf.support);
-    // A plane from far away says nothing of a surface here.
+    // A plane borrowed from far away is no surface in this block.
     if (leaf.support.samples == 0) leaf.support.area = 0;
   }
 
@@ -154,7 +153,7 @@ class PaperTree {
   PaperReport report_;
 };
 
-/// What is known of a fit as a whole: all residuals are taken for noise.
+/// Fills in the report of the whole fit: all residuals count as noise.
 void report_on(PartitionData& data, std::size_t samples, double limit) {
   double squares = 0, n = 0;
   for (const Support& s : data.supports) {
@@ -163,7 +162,7 @@ void report_on(PartitionData& data, std::size_t samples, double limit) {
   }
   data.report.error = limit;
   data.report.noise = data.report.accuracy = n > 0 ? std::sqrt(squares / n) : 0;
-  // Where no plane passes through its block, there is no area to share out.
+  // If no plane passes through its block, there is no area to divide.
   const double area =
       data.report.area > 0 ? data.report.area : limit / data.paper->threshold * limit / data.paper->threshold;
   data.report.spacing = std::sqrt(area / static_cast<double>(samples));
@@ -171,7 +170,7 @@ void report_on(PartitionData& data, std::size_t samples, double limit) {
   data.basis.accepted = limit;
 }
 
-/// The same in the words of the default's options, as far as it has them.
+/// The equivalent options of the default method, where they exist.
 PartitionOptions in_common(const PaperOptions& o, double limit) {
   PartitionOptions common;
   common.max_depth = o.max_depth;
@@ -189,7 +188,7 @@ std::size_t leaves_to_balance(const PartitionOfUnity& field) {
   BlockTree tree = field.mesh_blocks(0);
   const std::size_t before = tree.size();
   tree.balance();
-  // Only leaves of before can have been subdivided first.
+  // Only leaves that existed before can have been subdivided first.
   std::size_t count = 0;
   for (std::size_t b = 0; b < before; ++b)
     count += !tree.is_leaf(b) && static_cast<std::size_t>(tree[b].first_child) >= before;

@@ -95,7 +95,7 @@ PaperLocal PaperFitter::approximate(const PaperBlock& block, Workspace& ws, int 
     local.good = true;
   } else {
     Vec3 nu = normalized(mean_of(normals_, block.ids));
-    if (nu == Vec3{}) nu = Vec3(normals_[block.ids[0]]);  // they cancel out: two sheets, whatever the frame
+    if (nu == Vec3{}) nu = Vec3(normals_[block.ids[0]]);  // normals cancel out: two sheets in any frame
     const Vec3f normal(nu);
     for (const std::uint32_t i : block.ids) local.two_sheets |= dot(normals_[i], normal) <= 0;
     fit_polynomial(block, normal, ws, exactly, local);
@@ -128,7 +128,7 @@ void PaperFitter::fit_polynomial(const PaperBlock& block, const Vec3f& nu, Works
     --most;
   const double limit = limit_ * inverse;
   ws.fit.reset({{ws.u, ws.v}, ws.w}, ApproximationFrame<2>{});
-  // Raising the degree keeps all that was computed. What is accepted is at least a plane.
+  // Raising the degree keeps all previous results. The accepted degree is at least 1.
   const int first = exactly >= 0 ? exactly : 1;
   while (ws.fit.degree() < most && ws.fit.raise())
     if (ws.fit.degree() >= first && ws.fit.squared_error() <= limit * limit * static_cast<double>(n)) break;
@@ -154,7 +154,8 @@ void PaperFitter::borrow_plane(PaperLocal& local) const {
   if (normal == Vec3{}) normal = Vec3(normals_[nearest->index]);
   Symmetric3 spread;
   for (const std::uint32_t i : cluster) spread.add(Vec3(positions_[i]) - mean);
-  // A least-squares plane may stand across the surface where the samples lie in a row: then that of the mean normal.
+  // A least-squares plane may be perpendicular to the surface if the samples are in a row: then the mean normal is
+  // used.
   const Vec3 axis = principal_axes(spread).axes[0];
   const double cosine = dot(axis, normal);
   if (std::abs(cosine) >= paper::kCosBorrowed) normal = cosine > 0 ? axis : -axis;

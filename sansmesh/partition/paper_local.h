@@ -1,6 +1,6 @@
-// Local approximations as the sources make them: unweighted, by orthogonal polynomials of rising degree, with tests of
-// robustness; planes of the nearest samples where there are too few (tejada2008, section 4.4.3; polizelli, section
-// 3.2). Internal to partition/.
+// Local approximations of the published method: unweighted least squares by orthogonal polynomials of increasing
+// degree, with tests of robustness; planes of the nearest samples if there are too few (tejada2008, 4.4.3; polizelli,
+// 3.2).
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,10 @@
 
 namespace sansmesh::inline v1 {
 
-/// Samples that a plane needs; a support with fewer borrows one from the nearest.
+/// Number of samples for a plane; a support with fewer borrows a plane from the nearest samples.
 constexpr std::size_t kEnoughForPlane = std::size_t{paper::kSamplesPerBasis} * kBasisSize[1];
 
-/// Whether a support of a paper's fit has too few samples of its own, so that its plane was borrowed.
+/// Whether a support has too few samples of its own, so that its plane is borrowed.
 inline bool is_borrowed(const Support& support) {
   return support.state == Support::fitted && support.samples < kEnoughForPlane;
 }
@@ -34,15 +34,15 @@ struct PaperBlock {
 struct PaperLocal {
   LocalFunction function;
   Support support;          ///< without its patch
-  double squares = 0;       ///< Σ of the squared distances of the samples in its ball (length²)
-  bool two_sheets = false;  ///< a normal is 90° or more off their mean (ohtake2003)
+  double squares = 0;       ///< sum of squared distances of the samples in its ball (length²)
+  bool two_sheets = false;  ///< a normal deviates by 90° or more from the mean (ohtake2003)
   bool good = false;        ///< within the threshold, and one sheet
 };
 
-/// Highest degree that both tests of robustness allow: samples for each basis function, and coverage.
+/// Highest degree that both robustness tests allow: number of samples per basis function, and coverage.
 int paper_degree(const PaperOptions& options, std::size_t samples, double coverage);
 
-/// Fits blocks of one cloud. The arrays must outlive it. For use by many threads: each has a workspace.
+/// Fits blocks of one cloud. The arrays must outlive it. Thread-safe: each thread has a workspace.
 class PaperFitter {
  public:
   /// `limit`: the threshold as a length.
@@ -60,14 +60,14 @@ class PaperFitter {
   const PaperOptions& options() const { return options_; }
   double limit() const { return limit_; }
 
-  /// The samples of a block's child, which lie in the ball of the block's support, too.
+  /// Child of a block with its samples, which are a subset of the block's.
   PaperBlock child(const PaperBlock& block, unsigned number) const;
   /// Samples in a ball, ascending.
   std::vector<std::uint32_t> ball(const Vec3f& center, float radius) const;
 
-  /// Cases (i) and (ii): a polynomial where there are samples enough, else a borrowed plane. `exactly`: of this degree,
-  /// or of the highest below it that the samples determine, whatever the tests say; without it the degree rises until
-  /// the error is within the limit.
+  /// Cases (i) and (ii): a polynomial if there are enough samples, else a borrowed plane. `exactly`: this degree, or
+  /// the highest below it that the samples determine, without the robustness tests; by default the degree increases
+  /// until the error is within the limit.
   PaperLocal approximate(const PaperBlock& block, Workspace& ws, int exactly = -1) const;
 
  private:

@@ -14,17 +14,17 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// No coefficient or distance of a function of samples that are about 1 large comes near this.
+/// Upper bound for coefficients and distances of functions of samples with coordinates about 1.
 constexpr float kHuge = 1e9f;
-/// Root cubes outside of this leave no room for the precision of their blocks.
+/// Range of the root cube's edge that leaves enough precision for its blocks.
 constexpr float kLeastEdge = 1e-9f, kMostEdge = 1e9f;
-/// The blocks of meshes go one level deeper than the fits.
+/// Blocks of meshes are one level deeper than the fits.
 constexpr int kDeepest = BlockTree::kMaxLevel - 1;
 
 bool sensible(float x) { return std::abs(x) <= kHuge; }  // false for NaN
 bool sensible(const Vec3f& v) { return sensible(v.x) && sensible(v.y) && sensible(v.z); }
 
-/// Closer to 0 than rounding leaves the products of a frame's axes; what it does to slopes their bounds have room for.
+/// Rounding error in the products of a frame's axes; the bounds of slopes allow for its effect.
 bool is_rounding(float x) { return std::abs(x) <= 2e-5f; }
 
 bool is_frame(const LocalFunction& f) {
@@ -33,8 +33,8 @@ bool is_frame(const LocalFunction& f) {
          is_rounding(dot(f.nu, f.xi));
 }
 
-/// A polynomial of its degree that stays far from the limits of float within a ball of this radius around its support's
-/// centre, which is its own.
+/// Whether f is a polynomial of its degree that is far from the limits of float within a ball of this radius around its
+/// support's centre.
 bool is_sensible_piece(const LocalFunction& f, const Vec3f& center, float radius) {
   if (!(sensible(f.center) && f.center == center && f.radius >= 0 && sensible(f.radius) && f.scale > 0 &&
         sensible(f.scale) && f.degree >= 0 && f.degree <= kMaxDegree && f.convex <= 1))
@@ -52,7 +52,7 @@ bool is_sensible_support(const PartitionData& data, std::size_t i) {
   if (s.level >= data.flatness.size() || s.code >> (3 * s.level) != 0) return false;
   const float h = data.edge / static_cast<float>(1u << s.level);
   const std::array<std::uint32_t, 3> cell = morton_cell(s.code);
-  // A ball much larger than its block would be met by far too many points.
+  // Far too many points would meet a ball much larger than its block.
   const float reach = 0.8660254f * h;
   bool ok = f.radius >= 0.9f * reach && f.radius <= 4.1f * reach && is_sensible_piece(f, f.center, f.radius);
   for (std::size_t k = 0; k < 3; ++k)
@@ -62,14 +62,14 @@ bool is_sensible_support(const PartitionData& data, std::size_t i) {
          s.state <= Support::constant && s.creased <= 1 && s.open <= 1;
 }
 
-/// Along the Morton curve, each block after the end of the one before it.
+/// Whether b follows a along the Morton curve, without overlap.
 bool in_order(const Support& a, const Support& b) {
   const auto place = [](int level, std::uint64_t code) { return code << (3 * (kDeepest - level)); };
   return place(a.level, a.code + 1) <= place(b.level, b.code);
 }
 
-/// Further pieces stand behind the functions of the supports, those of each support together and in its order, so that
-/// following them ends, and no piece belongs to two.
+/// Further pieces follow the functions of the supports, those of each support together and in its order. Therefore
+/// chains end, and no piece belongs to two supports.
 bool is_chained(const PartitionData& data) {
   const auto& functions = data.functions;
   const auto next = [&](std::size_t i) { return static_cast<std::int64_t>(functions[i].next); };
@@ -88,7 +88,7 @@ bool is_chained(const PartitionData& data) {
   return at == functions.size();
 }
 
-/// use(piece, bound) for the pieces of a support.
+/// Calls use(piece, bound) for the pieces of a support.
 template <class Use>
 void for_each_slope(const PartitionData& data, std::size_t support, const Use& use) {
   const LocalFunction& first = data.functions[support];
@@ -112,7 +112,7 @@ bool all_of_range(std::size_t n, Check&& check) {
       [](bool a, bool b) { return a && b; });
 }
 
-/// Each level's cells are in order, and the children of the level above.
+/// Whether each level's cells are in order, and the children of the level above.
 bool is_tree(const std::vector<PartitionData::Flatness>& levels) {
   if (levels.empty() || levels[0].code.size() != 1 || levels[0].code[0] != 0) return false;
   for (std::size_t l = 0; l < levels.size(); ++l) {
@@ -167,28 +167,28 @@ void PartitionData::validate() const {
   if (paper) paper->validate();
   check(edge >= kLeastEdge && edge <= kMostEdge && sensible(lower) && norm(origin) <= kHuge &&
             norm(Vec3(lower)) <= 1e3 * static_cast<double>(edge),
-        "its cube makes no sense");
+        "its cube is invalid");
   check(!supports.empty() && functions.size() >= supports.size(), "it has no functions");
-  check(functions.size() < (std::size_t{1} << 31), "it has more functions than can be counted");
+  check(functions.size() < (std::size_t{1} << 31), "it has too many functions");
   const auto is_size = [](double x) { return x >= 0 && x <= static_cast<double>(kHuge); };
   check(is_size(report.noise) && is_size(report.error) && is_size(report.accuracy) && is_size(report.area) &&
             is_size(report.spacing) && report.spacing > 0 && is_size(report.open_area) &&
-            sensible(static_cast<float>(report.behind)) && report.depth >= 0 && report.depth <= kDeepest,
-        "its report makes no sense");
+            sensible(static_cast<float>(report.mean_winding_number)) && report.depth >= 0 && report.depth <= kDeepest,
+        "its report is invalid");
   check(basis.sort_depth >= 0 && basis.sort_depth <= 20 && basis.tried >= 0 && basis.tried <= basis.sort_depth &&
             basis.finest >= 0 && basis.finest <= basis.tried && basis.finest <= kDeepest && is_size(basis.variance) &&
             is_size(basis.accepted) && basis.support >= 1 && basis.support <= 4 && basis.fit >= 1 && basis.fit <= 4 &&
             is_size(basis.height),
-        "its scales make no sense");
-  check(flatness.size() == static_cast<std::size_t>(basis.finest) + 1 && is_tree(flatness), "its tree makes no sense");
+        "its scales are invalid");
+  check(flatness.size() == static_cast<std::size_t>(basis.finest) + 1 && is_tree(flatness), "its tree is invalid");
   const std::size_t n = supports.size();
   check(all_of_range(n,
                      [&](std::size_t i) {
                        return is_sensible_support(*this, i) && (i == 0 || in_order(supports[i - 1], supports[i]));
                      }),
-        "a support makes no sense");
-  check(is_chained(*this), "the pieces of its creases make no sense");
-  // Bounds, but for the last bits of another machine's cosines.
+        "a support is invalid");
+  check(is_chained(*this), "the pieces of its creases are invalid");
+  // Bounds, up to the last bits of another machine's cosines.
   const auto are_slopes = [&](std::size_t support) {
     bool ok = true;
     for_each_slope(*this, support, [&](std::size_t piece, float least) {
@@ -197,7 +197,7 @@ void PartitionData::validate() const {
     return ok;
   };
   check(slopes.empty() || (slopes.size() == functions.size() && all_of_range(n, are_slopes)),
-        "the slopes of its functions make no sense");
+        "the slopes of its functions are invalid");
 }
 
 }  // namespace sansmesh::inline v1

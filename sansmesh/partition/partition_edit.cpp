@@ -25,10 +25,10 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Samples this far from a block (in its edges) take part in the fits below it: balls, those of twice the size that
-/// poor supports borrow, and the neighbours that noise is pooled over.
+/// Samples within this distance of a block (in its edges) contribute to the fits below it: balls, those of twice the
+/// size that supports with few samples use, and the neighbours that noise is pooled over.
 constexpr float kMargin = 6;
-/// Levels of the grid on which the neighbourhood of an edit is marked.
+/// Levels of the grid that marks the neighbourhood of an edit.
 constexpr int kGridLevel = 6;
 
 constexpr const char* kNoSamples = "its samples were not kept: it cannot be fitted again";
@@ -80,10 +80,10 @@ bool chosen_by(const SupportQuery& q, const PartitionData& data, std::size_t i) 
   return true;
 }
 
-/// Finest cells with samples over which there is no support: none was fitted there, or it was removed.
+/// Finest cells with samples but without a support: no fit was possible there, or it was removed.
 std::vector<std::uint64_t> bare_cells(const PartitionData& data) {
   const int level = static_cast<int>(data.flatness.size()) - 1;
-  std::vector<std::uint64_t> bare;  // their places along the curve
+  std::vector<std::uint64_t> bare;  // positions along the curve
   std::size_t s = 0;
   for (const std::uint64_t code : data.flatness.back().code) {
     const std::uint64_t position = curve_position(level, code);
@@ -95,11 +95,11 @@ std::vector<std::uint64_t> bare_cells(const PartitionData& data) {
   return bare;
 }
 
-/// The largest blocks whose supports are all chosen, and in which none is missing.
+/// Largest blocks whose supports are all chosen, and none of which is missing.
 std::vector<BlockKey> filled_blocks(const PartitionData& data, const Selection& chosen) {
   const std::size_t n = data.supports.size();
   const std::vector<std::uint64_t> bare = bare_cells(data);
-  std::vector<std::uint32_t> before(n + 1, 0);  // chosen ones among the first i
+  std::vector<std::uint32_t> before(n + 1, 0);  // number of chosen ones among the first i
   for (const std::uint32_t i : chosen) before[i + 1] = 1;
   for (std::size_t i = 0; i < n; ++i) before[i + 1] += before[i];
   const auto first_from = [&](std::uint64_t position) {
@@ -134,7 +134,7 @@ std::vector<BlockKey> filled_blocks(const PartitionData& data, const Selection& 
   return result;
 }
 
-/// The samples within kMargin edges of some blocks, as a tree with the cells of the whole cloud's.
+/// Tree of the samples within kMargin edges of some blocks, with the cells of the whole cloud's tree.
 SampleTree tree_around(const PartitionData& data, std::span<const BlockKey> blocks, const EditSamples& samples) {
   if (samples.positions.empty()) throw DataError(kNoSamples);
   constexpr int kCells = 1 << kGridLevel;
@@ -173,7 +173,7 @@ std::vector<BlockKey> blocks_of(const PartitionData& data, const Selection& chos
   return blocks;
 }
 
-/// New gaps for the cells below the blocks that were fitted again.
+/// New gaps for the cells below the refitted blocks.
 std::vector<PartitionData::Flatness> updated_flatness(const PartitionData& data, const BlockFitter& fitter,
                                                       const ScaleChoice& choice, std::span<const BlockKey> roots,
                                                       std::span<const FittedLeaf> leaves) {
@@ -205,7 +205,7 @@ std::vector<PartitionData::Flatness> updated_flatness(const PartitionData& data,
   return result;
 }
 
-/// Those of the chosen supports whose block was fitted again. The others had too few samples for it, and stay.
+/// Chosen supports whose block was refitted. The others have too few samples, and are unchanged.
 Selection in_served_blocks(const PartitionData& data, const Selection& chosen, std::span<const BlockKey> roots,
                            const SampleTree& tree, const ScaleChoice& choice) {
   std::vector<std::uint64_t> leaves;
@@ -241,7 +241,7 @@ std::uint32_t nearest_of(const PartitionData& data, const Selection& chosen, con
   return place(data.supports[*next]) - at < at - place(data.supports[*std::prev(next)]) ? *next : *std::prev(next);
 }
 
-/// Constants in place of the chosen functions; value_of(i): of the i-th, in radii.
+/// Replaces the chosen functions by constants; value_of(i): the constant of the i-th, in radii.
 template <class ValueOf>
 EditResult with_constants(const PartitionData& data, const Selection& chosen, const ValueOf& value_of) {
   std::vector<FittedLeaf> leaves(chosen.size());
@@ -326,7 +326,7 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
           continue;
         }
       }
-      // Too few samples for anything: it stays as it was.
+      // With too few samples for any fit it is unchanged.
       ++kept;
       leaf.function = old;
       for (std::int32_t next = old.next; next != 0; next = leaf.more.back().next)
@@ -345,7 +345,7 @@ EditResult refit(const PartitionData& data, const Selection& chosen, const Parti
   options.validate();
   if (data.paper)
     throw DataError(
-        "it was fitted as the paper has it, from the top down, which cannot be done again for a part of it");
+        "it was fitted by the published method, from the top down, which cannot be repeated for a part of it");
   if (chosen.empty()) return {data, {}, {}, 0, 0};
   const std::vector<BlockKey> roots = filled_blocks(data, chosen);
   SampleTree tree = tree_around(data, roots, samples);
@@ -364,7 +364,7 @@ EditResult refit(const PartitionData& data, const Selection& chosen, const Parti
     for (std::size_t i = first; i < last; ++i) leaves[i] = fit_leaf(fitter, choice, choice.leaves[i], ws);
     progress.advance(last - first);
   });
-  // Whether a sheet bounds a solid is not decided anew for a part of it.
+  // The openness of a sheet is not decided again for a part of it.
   for (FittedLeaf& leaf : leaves) leaf.support.open = data.supports[nearest_of(data, chosen, leaf.support)].open;
   std::vector<PartitionData::Flatness> flatness = updated_flatness(data, fitter, choice, roots, leaves);
   EditResult result = replace_supports(data, served, std::move(leaves));

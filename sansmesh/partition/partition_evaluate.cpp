@@ -1,4 +1,4 @@
-// Batches of points against the supports that reach them: gather supports with the box tree, then SIMD over points.
+// Evaluates batches of points: collects the supports that reach them with the ball tree, then SIMD over points.
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/simd_targets.h"
 #undef HWY_TARGET_INCLUDE
@@ -37,9 +37,9 @@ namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 namespace pn = portable::HWY_NAMESPACE;
 
-// Value of one local function (and gradient if kGradient) at offsets d from its centre. If kSteep it is divided by the
-// length √(1 + |∇g|²) of its gradient: a distance to first order however steep the polynomial; `trust` is then
-// 1 / (1 + |∇g|²), and (tx, ty, tz) its gradient.
+// Value of one local function (and gradient if kGradient) at offsets d from its centre. If kSteep, divided by the
+// length √(1 + |∇g|²) of its gradient, which makes it a distance to first order even for steep polynomials; `trust` is
+// then 1 / (1 + |∇g|²), and (tx, ty, tz) its gradient.
 template <bool kGradient, bool kSteep, class D, class V = hn::Vec<D>>
 HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V& gx, V& gy, V& gz, V& trust, V& tx,
                       V& ty, V& tz) {
@@ -113,9 +113,10 @@ HWY_INLINE void Local(D d, const LocalFunction& f, V dx, V dy, V dz, V& value, V
   }
 }
 
-// A function says little about places in its ball that are far from its zero set. Beyond `trusted` the weight falls to
-// 0 at |f| = R with the fourth power, so that its fourth root, by which the far field takes over, falls about linearly.
-// Values flatten from `straight` R on, to (1 + straight) / 2 of R: functions that disagree then differ by less.
+// A function is unreliable at points of its ball that are far from its zero set. Beyond `trusted` the weight falls to 0
+// at |f| = R with the fourth power, so that its fourth root, which controls the blend with the far field, falls about
+// linearly. Values flatten from `straight` R on, to (1 + straight) / 2 of R, which reduces the difference of functions
+// that disagree.
 template <bool kGradient, class D, class V = hn::Vec<D>>
 HWY_INLINE void Bound(D d, float trusted, float straight, float radius, V& value, V& gx, V& gy, V& gz, V& weight, V& tx,
                       V& ty, V& tz) {
@@ -200,7 +201,7 @@ void SumSupportsT(const LocalFunction* functions, const std::uint8_t* manner, co
           fx = hn::IfThenElse(take, hx, fx), fy = hn::IfThenElse(take, hy, fy), fz = hn::IfThenElse(take, hz, fz);
       }
       if ((manner[list[s]] & kPlain) != 0) {
-        // Σ θ f / Σ θ, and no more.
+        // Σ θ f / Σ θ without corrections.
       } else if (!f->is_constant()) {
         const bool close = (manner[list[s]] & kClose) != 0;
         Bound<kGradient>(d, close ? kTrustedClose : kTrusted, close ? kStraightClose : kStraight, f->radius, fv, fx, fy,
@@ -244,23 +245,23 @@ HWY_EXPORT(SumSupports);
 
 namespace {
 
-constexpr float kNoWeight = 1e-24f;  // rounding of the weights' sums is all that is left below
+constexpr float kNoWeight = 1e-24f;  // below, the sums of weights are only rounding
 
-/// Where values and gradients go.
+/// Destination of values and gradients.
 struct Output {
   std::span<double> values;
-  std::span<Vec3> gradients;  ///< empty if none are asked for
+  std::span<Vec3> gradients;  ///< empty if not requested
   void put(std::size_t i, float value, const Vec3f& gradient) const {
     values[i] = value;
     if (!gradients.empty()) gradients[i] = Vec3(gradient);
   }
 };
 
-/// Points that the far field has a share in, collected over several tiles: it is summed for many at once.
+/// Points where the far field has a share, collected over several tiles and summed together.
 struct FarPoints {
   static constexpr std::size_t kMany = 128;
   struct Near {
-    std::size_t at;  ///< in the output
+    std::size_t at;  ///< index in the output
     float weight, value;
     Vec3f gradient, weight_gradient;
   };
@@ -269,13 +270,14 @@ struct FarPoints {
   std::vector<float> values;
 };
 
-/// The share of the supports by their weight over that from which they are alone, and its derivative: a smooth step.
+/// Share of the supports by their weight over that from which the far field has none, and its derivative: a smooth
+/// step.
 struct Step {
   float share, slope;
   explicit Step(float t) : share(t * t * (3 - 2 * t)), slope(6 * t * (1 - t)) {}
 };
 
-/// `plain`: weight from which the supports of a plain blend are alone; 0 for the default's.
+/// `plain`: weight from which the far field has no share in a plain blend; 0 for the default blend.
 void hand_over(const FarField& field, FarPoints& far, float plain, const Output& out) {
   const bool gradient = !out.gradients.empty();
   far.values.resize(far.x.size());
@@ -315,7 +317,7 @@ void evaluate_tile(const PartitionState& s, std::span<const Vec3f> x, std::span<
                    const Output& out, std::vector<std::uint32_t>& list, EvaluationTile& tile, FarPoints& far) {
   Box3f box;
   for (const Vec3f& p : x) box.extend(p);
-  // Lists longer than this are a sign of points too far apart to share one.
+  // Longer lists indicate points too far apart to share one.
   const std::size_t most = x.size() > 8 ? 96 : x.size() > 1 ? 1024 : s.data.supports.size();
   if (!s.tree.touching(box, most, list)) {
     const std::size_t half = x.size() / 2;
@@ -359,7 +361,7 @@ void evaluate_partition(const PartitionState& s, std::span<const Vec3> x, std::s
   constexpr std::size_t kTile = EvaluationTile::kTile;
   const auto local = [&](std::size_t i) { return Vec3f(x[i] - data.origin); };
 
-  // Neighbours in space must be neighbours in a tile. Input that is already ordered that way is taken as it is.
+  // Neighbours in space must be neighbours in a tile. Suitably ordered input is used as it is.
   std::vector<std::uint32_t> order;
   const auto code = [&](std::size_t i) {
     const Vec3f p = (local(i) - data.lower) * (1024.0f / data.edge);

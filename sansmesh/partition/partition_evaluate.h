@@ -1,4 +1,4 @@
-// Values and gradients of a partition of unity; not part of the public interface.
+// Values and gradients of a partition of unity.
 #pragma once
 
 #include <span>
@@ -8,7 +8,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// As ScalarField::evaluate, in world coordinates.
+/// Like ScalarField::evaluate, in world coordinates.
 void evaluate_partition(const PartitionState& partition, std::span<const Vec3> x, std::span<double> values,
                         std::span<Vec3> gradients);
 

@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// The functions of the chosen blocks, as the arrays of `data`.
+/// Fits the functions of the chosen blocks and writes them to the arrays of `data`.
 void fit_leaves(const BlockFitter& fitter, const ScaleChoice& choice, PartitionData& data, Progress& progress) {
   constexpr std::size_t kChunk = 128;
   const std::size_t n = choice.leaves.size(), chunks = (n + kChunk - 1) / kChunk;
@@ -45,8 +45,8 @@ void fit_leaves(const BlockFitter& fitter, const ScaleChoice& choice, PartitionD
   sum_up(data);
 }
 
-/// What the polygoniser will need to know: how flat is the surface at the scale of each block? Takes the tree's levels
-/// with it, and the trials.
+/// Records the flatness of the surface at the scale of each block for the polygoniser. Consumes the tree's levels and
+/// the trials.
 std::vector<PartitionData::Flatness> record_flatness(SampleTree& tree, const BlockFitter& fitter, ScaleChoice& choice,
                                                      const PartitionData& data) {
   const auto levels = static_cast<std::size_t>(choice.finest) + 1;
@@ -80,7 +80,7 @@ double estimated_accuracy(const ScaleChoice& choice, double diagonal) {
   return std::sqrt(squares / static_cast<double>(choice.leaves.size()));
 }
 
-/// All of `data` but where the cube lies.
+/// Fills in all of `data` except the position of the cube.
 void fit_samples(SampleTree& tree, double diagonal, PartitionData& data, Progress& progress) {
   ScaleChoice choice = choose_scales(tree, data.options, diagonal, progress);
   data.basis.tried = choice.tried;
@@ -119,7 +119,7 @@ PartitionOfUnity fit_partition_of_unity(PointSet points, const PartitionOptions&
   data.lower = box.center() - Vec3f{1, 1, 1} * (0.5f * data.edge);
 
   progress.begin("sort samples");
-  // Deep enough that the finest occupied cells hold about one sample even where the cloud is densest.
+  // Deep enough for about one sample in the finest occupied cells even where the cloud is densest.
   data.basis.sort_depth = std::clamp(options.max_depth.value_or(static_cast<int>(
                                          std::ceil(0.5 * std::log2(static_cast<double>(points.size())) + 1.5))),
                                      options.max_depth ? kLeastDepth : kLeastDepth + 1, kMostDepth);

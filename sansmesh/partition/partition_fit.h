@@ -1,4 +1,4 @@
-// From samples to a partition of unity.
+// Fits a partition of unity to samples.
 #pragma once
 
 #include "sansmesh/partition/partition_data.h"
@@ -8,10 +8,10 @@
 
 namespace sansmesh::inline v1 {
 
-/// Fits to points with oriented normals. Throws DataError for fewer than 4 points or a cloud without extent,
-/// ArgumentError for options out of range. `sorted`, if given, receives the points along the Morton curve of the root
-/// cube, the order in which a refit wants them: origin, positions, normals and colours. Points that are moved in are
-/// sorted in place: there is no second copy of them.
+/// Fits points with oriented normals. Throws DataError for fewer than 4 points or a cloud without extent, ArgumentError
+/// for options out of range. `sorted`, if given, receives the points in the order of the Morton curve of the root cube,
+/// which refit() requires: origin, positions, normals and colours. Moved points are sorted in place, without a second
+/// copy.
 PartitionOfUnity fit_partition_of_unity(PointSet points, const PartitionOptions& options, Progress& progress,
                                         PointSet* sorted = nullptr);
 

@@ -1,4 +1,4 @@
-// A partition of unity of given data: what is built from them, and what the polygoniser asks.
+// Construction of the evaluation structures of a partition of unity, and its queries for polygonisation.
 #include "sansmesh/partition/partition_of_unity.h"
 
 #include <algorithm>
@@ -17,13 +17,13 @@ namespace {
 
 constexpr float kSteep = 2.0f;
 
-/// Noise below this share of a support's radius does not matter in it.
+/// Noise below this share of a support's radius is negligible.
 constexpr double kClean = 0.05;
 
 /// Rounding of 1 − d²/R² may leave a support some weight this little beyond its radius.
 constexpr float kRim = 1 + 1e-6f;
 
-/// Whether the function's slope against its plane exceeds kSteep somewhere in its support.
+/// Whether the function's slope against its plane exceeds kSteep at a point of its support.
 bool is_steep(const LocalFunction& f) {
   for (const float ring : {0.5f, 0.9f})
     for (int k = 0; k < 8; ++k) {
@@ -62,8 +62,8 @@ PartitionOfUnity::PartitionOfUnity(PartitionData data) {
     const auto corner = static_cast<float>(1 - 1 / (d.paper->support * d.paper->support));
     state->full = kPlainShare * corner * corner * corner * corner;
   }
-  // Each support's surface patch within its own block: together they tile the surface, and decide inside and outside
-  // where no support reaches.
+  // Each support's surface patch within its block: together they tile the surface, and determine inside and outside
+  // beyond all supports.
   std::vector<OrientedPatch> closed = support_patches(d), open;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < closed.size(); ++i) {
@@ -107,7 +107,7 @@ BlockTree PartitionOfUnity::mesh_blocks(double mesh_error, int deepest) const {
   struct Item {
     std::size_t block;
     int level;
-    std::uint32_t cell;  // in flatness[level]
+    std::uint32_t cell;  // index in flatness[level]
   };
   const int last = static_cast<int>(s.flatness.size()) - 1;
   std::vector<Item> stack{{0, 0, 0}};
@@ -117,7 +117,7 @@ BlockTree PartitionOfUnity::mesh_blocks(double mesh_error, int deepest) const {
     const PartitionData::Flatness& here = s.flatness[static_cast<std::size_t>(item.level)];
     if (here.gap[item.cell] <= mesh_error || item.level >= deepest) continue;
     const std::size_t first = tree.subdivide(item.block);
-    if (item.level == last) continue;  // the samples say nothing about finer scales
+    if (item.level == last) continue;  // the samples do not resolve finer scales
     const PartitionData::Flatness& below = s.flatness[static_cast<std::size_t>(item.level) + 1];
     for (std::uint32_t c = here.child[item.cell]; c < here.child[item.cell + 1]; ++c)
       stack.push_back({first + (below.code[c] & 7), item.level + 1, c});

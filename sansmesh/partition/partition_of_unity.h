@@ -1,4 +1,4 @@
-// Adaptive partition of unity implicits (METHODS §3.1): F(x) = Σ f_i(x) θ_i(x) / Σ θ_i(x).
+// Adaptive partition of unity implicits (tejada2008, 4.4; polizelli): F(x) = Σ f_i(x) θ_i(x) / Σ θ_i(x).
 #pragma once
 
 #include <memory>
@@ -16,29 +16,28 @@ struct PartitionState;
 
 class PartitionOfUnity : public ScalarField {
  public:
-  /// The function that the data describe. They are taken as they are: `PartitionData::validate` checks those of a file.
+  /// Function described by the data. They are not checked: `PartitionData::validate` checks those of a file.
   explicit PartitionOfUnity(PartitionData data);
 
   Box3 bounds() const override;
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
 
-  /// From proven slopes of the local functions (PartitionData::slopes), the weights, and a measured slope of the far
-  /// field; widened for rounding. As narrow as a few slopes times the radius where neighbouring functions agree; in
-  /// balls that very many supports reach, infinite.
+  /// Bounds from proven slopes of the local functions (PartitionData::slopes), the weights, and a measured slope of the
+  /// far field; widened for rounding. Where neighbouring functions agree, the width is a few slopes times the radius;
+  /// infinite in balls that very many supports reach.
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override;
 
-  /// All that it is made of; positions relative to its origin.
+  /// The complete data; positions relative to its origin.
   const PartitionData& data() const;
-  /// The local functions: one per support, then further pieces of those with a crease.
+  /// Local functions: one per support, then further pieces of creased ones.
   std::span<const LocalFunction> functions() const { return data().functions.view(); }
   const PartitionReport& report() const { return data().report; }
 
-  /// A tree of blocks for polygonisation: fine enough that linear interpolation over its simplices stays within about
-  /// `mesh_error` (length) of the surface on average, and fine at creases and where sheets come close; no finer than
-  /// level `deepest`.
+  /// Tree of blocks for polygonisation. Linear interpolation over its simplices is within about `mesh_error` (length)
+  /// of the surface on average; blocks are fine at creases and where sheets are close, and at most on level `deepest`.
   BlockTree mesh_blocks(double mesh_error, int deepest = BlockTree::kMaxLevel) const;
 
-  /// A point on or near the surface in every support: where a walk along the surface may start.
+  /// A point on or near the surface in every support: starting points of a walk along the surface.
   std::vector<Vec3> seeds() const;
 
  private:

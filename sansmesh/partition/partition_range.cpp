@@ -1,8 +1,8 @@
-// What the function lies between in a ball: F is a mean of the local functions that reach there and of the far field,
-// so it lies between the smallest and the largest value of these. The slopes of local functions are known; where some
-// are positive and some are negative, bounds of their weights may still tell the sign. Of the far field's slope no
-// bound is known that would be of use (bounded patch by patch, it takes a thousand times as long as a value, and says
-// nothing of most places inside of solids): what has been measured, with room, stands for it.
+// Bounds of the function in a ball. F is a mean of the local functions that reach the ball and of the far field, so
+// between the smallest and the largest of their values. The slopes of local functions are known; if some are positive
+// and some are negative, bounds of their weights may still determine the sign. No useful bound of the far field's slope
+// is known (bounded patch by patch, it takes a thousand times as long as a value, and is inconclusive at most points
+// inside of solids): a measured slope with a margin replaces it.
 #include "sansmesh/partition/partition_range.h"
 
 #include <algorithm>
@@ -17,27 +17,27 @@ namespace {
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 constexpr ValueRange kNothing{-kUnknown, kUnknown};
 
-/// Taken for the slope of the far field. Of 5 million gradients, between and around the supports of scans, parts, thin
+/// Slope assumed for the far field. Of 5 million gradients, between and around the supports of scans, parts, thin
 /// shapes and depth frames, 999 of 1000 are shorter than 2.1, and the longest is 4.1.
 constexpr double kFarSlope = 5;
-/// The same where there are open sheets: their planes contradict each other between two that face the same way, where
-/// slopes of 6 have been found.
+/// The same with open sheets: the planes of two that face the same way contradict each other between them, where slopes
+/// of 6 have been found.
 constexpr double kOpenFarSlope = 10;
 
-/// Balls that more supports than this reach are too large for anything to be said of them.
+/// Balls that more supports than this reach are too large for useful bounds.
 constexpr std::size_t kMostSupports = 400;
-/// Evaluation is done in single precision: shares of the cube's edge and of the distance from the origin by which
-/// balls, and of the largest radius and of the values by which ranges are widened for that.
+/// Evaluation is in single precision. Balls are widened by these shares of the cube's edge and of the distance from the
+/// origin, ranges by this share of the largest radius and of the values.
 constexpr double kRoundedPlace = 1e-6, kRoundedFar = 0x1p-22, kRoundedValue = 4e-6;
 
-/// The smallest ball around what the balls around `a` and `b` have in common, and the distances from `a` there.
+/// Smallest ball around the intersection of the balls around `a` and `b`, and the range of distances from `a` in it.
 struct Common {
   Vec3 center;
   double radius, nearest, farthest;
 
   Common(const Vec3& a, double ra, const Vec3& b, double rb, double distance)
       : nearest(std::max(0.0, distance - rb)), farthest(std::min(ra, distance + rb)) {
-    // Where their spheres meet, seen from a towards b.
+    // Position of the spheres' intersection, from a towards b.
     const double along =
         distance > 0 ? (distance * distance + ra * ra - rb * rb) / (2 * distance) : (ra < rb ? -1 : 1) * kUnknown;
     if (!(along > 0)) {
@@ -53,24 +53,24 @@ struct Common {
 
 double power4(double x) { return x * x * x * x; }
 
-/// As evaluation flattens values: the identity near 0, (1 + straight) / 2 radii from one radius on.
+/// Flattening of values as in evaluation: the identity near 0, (1 + straight) / 2 radii from one radius on.
 double flattened(double value, double straight, double radius) {
   const double size = std::min(std::abs(value) / radius, 1.0), excess = std::max(0.0, size - straight);
   return std::copysign((size - excess * excess / (2 * (1 - straight))) * radius, value);
 }
 
-/// Its factor of the weight where |f| is `size` radii.
+/// Factor of the weight where |f| is `size` radii.
 double near_factor(double size, double trusted) {
   return power4(std::max(0.0, 1 - std::max(0.0, size * size - trusted) / (1 - trusted)));
 }
 
-/// One piece within a ball, as evaluation takes it.
+/// Range of one piece within a ball, as in evaluation.
 ValueRange piece_range(const PartitionState& s, std::size_t i, const Vec3& center, double radius) {
   const LocalFunction& f = s.data.functions[i];
   const double value = static_cast<double>(local_value(f, Vec3f(center)));
   const double slope = static_cast<double>(s.data.slopes[i]);
   ValueRange r{value - slope * radius, value + slope * radius};
-  // Divided by the length of the gradient, which is anything from 1 to its bound.
+  // The value is divided by the length of the gradient, which is between 1 and its bound.
   if ((s.manner[i] & kNormalised) != 0) {
     if (r.least > 0) r.least /= slope;
     if (r.most < 0) r.most /= slope;
@@ -78,7 +78,7 @@ ValueRange piece_range(const PartitionState& s, std::size_t i, const Vec3& cente
   return r;
 }
 
-/// Sums over the supports that reach a ball: of their weights, of weight times value, and the values themselves.
+/// Sums over the supports that reach a ball: of their weights, of weight times value, and the range of the values.
 struct NearSums {
   ValueRange values{kUnknown, -kUnknown};
   double weight_low = 0, weight_high = 0, low = 0, high = 0, largest = 0;
@@ -106,7 +106,7 @@ struct NearSums {
       theta_low /= slope * slope;
     }
     if ((manner & kPlain) != 0) {
-      // Values and weights as they are.
+      // Values and weights are unchanged.
     } else if (!f.is_constant()) {
       const bool close = (manner & kClose) != 0;
       const auto trusted = static_cast<double>(close ? kTrustedClose : kTrusted),
@@ -126,7 +126,7 @@ struct NearSums {
     largest = std::max(largest, size);
   }
 
-  /// Of their mean. It has the sign of a sum that has only one.
+  /// Range of the weighted mean. If the bounds of the sum have one sign, so has the mean.
   ValueRange mean() const {
     ValueRange r = values;
     if (low > 0) r.least = std::max(r.least, low / weight_high);
@@ -137,11 +137,11 @@ struct NearSums {
   }
 };
 
-/// Of the local functions in a ball, and whether the far field has a share there.
+/// Range of the local functions in a ball, and whether the far field has a share there.
 struct NearRange {
   ValueRange range;
   bool with_far;
-  double largest;  ///< radius of those supports
+  double largest;  ///< largest radius of those supports
 };
 
 NearRange near_range(const PartitionState& s, const Vec3& x, double radius, std::vector<std::uint32_t>& list) {
@@ -149,11 +149,11 @@ NearRange near_range(const PartitionState& s, const Vec3& x, double radius, std:
   if (!s.tree.touching({center - reach, center + reach}, kMostSupports, list)) return {kNothing, false, 0};
   NearSums sums;
   for (const std::uint32_t i : list) sums.add(s, i, x, radius);
-  // From a weight of kFadeWeight on, the far field has no share.
+  // The far field has no share at weights above kFadeWeight.
   return {sums.mean(), sums.weight_low < 1.001 * static_cast<double>(s.full), sums.largest};
 }
 
-/// One batch of points after another, on one thread.
+/// Processes batches of points sequentially on one thread.
 struct Batch {
   std::vector<std::uint32_t> list;
   std::vector<std::size_t> at;

@@ -1,4 +1,4 @@
-// What a partition of unity lies between in balls; not part of the public interface.
+// Bounds of a partition of unity in balls.
 #pragma once
 
 #include <span>
@@ -9,7 +9,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// As PartitionOfUnity::ranges, in world coordinates.
+/// Like PartitionOfUnity::ranges, in world coordinates.
 void partition_ranges(const PartitionState& partition, std::span<const Vec3> x, double radius,
                       std::span<ValueRange> found);
 

@@ -1,4 +1,4 @@
-// The last step of every edit. Internal to partition/.
+// Last step of every edit.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Data with other leaves in place of the chosen supports. Throws DataError if none are left.
+/// Data with the given leaves in place of the chosen supports. Throws DataError if none are left.
 EditResult replace_supports(const PartitionData& data, const Selection& chosen, std::vector<FittedLeaf> leaves);
 
 }  // namespace sansmesh::inline v1

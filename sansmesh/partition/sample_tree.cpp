@@ -14,13 +14,13 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// In halves, so that it takes twelve bytes: there are two a sample while it sorts.
+/// A key as two halves, for a size of twelve bytes: sorting needs two per sample.
 struct Item {
   std::uint32_t low, high, index;
   std::uint64_t key() const { return std::uint64_t{high} << 32 | low; }
 };
 
-/// What a thread sorts, counts or fills at a time. Few enough of them that all their histograms are small.
+/// Number of samples that a thread sorts, counts or fills at a time; large enough to keep all histograms small.
 constexpr std::size_t kChunk = std::size_t{1} << 18;
 std::size_t chunks_of(std::size_t n) { return (n + kChunk - 1) / kChunk; }
 
@@ -53,11 +53,11 @@ void radix_sort(std::vector<Item>& items, int bits) {
   }
 }
 
-/// The cells of each level that begin in a chunk of the samples.
+/// Cells of each level that begin in a chunk of the samples.
 struct Runs {
   static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max(), kLevels = SampleTree::kMaxDepth + 1;
-  std::array<std::size_t, kLevels> first, last;  ///< samples with which the first and the last begin
-  std::array<std::uint64_t, kLevels> squares{};  ///< Σ count² of those that end here, too
+  std::array<std::size_t, kLevels> first, last;  ///< samples at which the first and the last begin
+  std::array<std::uint64_t, kLevels> squares{};  ///< Σ count² of those that also end here
 
   Runs() { first.fill(kNone), last.fill(kNone); }
   void begin(std::size_t level, std::size_t at) {
@@ -97,7 +97,7 @@ void SampleTree::sort() {
                 static_cast<std::uint32_t>(i)};
   });
   radix_sort(items, 3 * sort_depth_);
-  const auto rearrange = [&](std::vector<Vec3f>& values) {  // one at a time: there is never a copy of all
+  const auto rearrange = [&](std::vector<Vec3f>& values) {  // one array at a time, so that there is never a copy of all
     if (values.empty()) return;
     std::vector<Vec3f> sorted(n);
     parallel_for(0, n, 16384, [&](std::size_t i) { sorted[i] = values[items[i].index]; });
@@ -109,12 +109,12 @@ void SampleTree::sort() {
   parallel_for(0, n, 16384, [&](std::size_t i) { order_[i] = items[i].index; });
 }
 
-/// The first level on which two places along the curve lie in different cells; beyond the depth of the sort if none.
+/// First level on which two positions along the curve are in different cells; beyond the depth of the sort if none.
 int SampleTree::first_level_apart(std::uint64_t a, std::uint64_t b) const {
   return a == b ? sort_depth_ + 1 : sort_depth_ - (63 - std::countl_zero(a ^ b)) / 3;
 }
 
-/// Calls seen(sample, code, level) for every sample of a chunk with which a cell begins, on that level and all below.
+/// Calls seen(sample, code, level) for every sample of a chunk that begins a cell, on that level and all below.
 template <class Seen>
 void SampleTree::for_each_start(std::size_t chunk, int deepest, Seen&& seen) const {
   const std::size_t first = chunk * kChunk, last = std::min(positions_.size(), first + kChunk);
@@ -153,7 +153,7 @@ std::vector<double> SampleTree::company() const {
 void SampleTree::build_levels(int deepest) {
   const std::size_t n = positions_.size(), levels = static_cast<std::size_t>(deepest) + 1, chunks = chunks_of(n);
   levels_.assign(levels, {});
-  // Where the cells of each chunk begin in the tables of each level.
+  // Start of the cells of each chunk in the tables of each level.
   std::vector<std::array<std::uint32_t, kMaxDepth + 2>> place(chunks + 1);
   parallel_for(0, chunks, 1, [&](std::size_t c) {
     for_each_start(c, deepest, [&](std::size_t, std::uint64_t, int level) {

@@ -11,8 +11,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// The cells of each level that hold samples: cell c of a level holds samples begin[c] .. begin[c+1] (sorted order),
-/// and its children on the next level are child[c] .. child[c+1].
+/// Cells of each level that hold samples: cell c of a level holds samples begin[c] .. begin[c+1] (sorted order), and
+/// its children on the next level are child[c] .. child[c+1].
 class SampleTree {
  public:
   struct Level {
@@ -22,24 +22,24 @@ class SampleTree {
     std::size_t size() const { return code.size(); }
   };
 
-  /// The 3×3×3 cells around a cell (index 13 is the cell itself), x fastest; -1 where there is none.
+  /// The 3×3×3 cells around a cell (index 13 is the cell itself), x fastest; -1 for empty ones.
   using Neighbours = std::array<std::int32_t, 27>;
 
   static constexpr int kMaxDepth = 20;
-  static constexpr std::size_t kMostSamples = 0x7fffffff;  ///< cells are counted in 31 bits
+  static constexpr std::size_t kMostSamples = 0x7fffffff;  ///< cell indices have 31 bits
 
-  /// Takes the samples over and sorts them in place along the curve through the cells of level `depth`
-  /// (0..kMaxDepth) of the cube [lower, lower + edge]³; samples of one cell keep their order. normals may be empty.
-  /// Throws DataError beyond kMostSamples. There are no levels yet.
+  /// Moves the samples in and sorts them in place along the curve through the cells of level `depth` (0..kMaxDepth) of
+  /// the cube [lower, lower + edge]³; samples of one cell keep their order. normals may be empty. Creates no levels.
+  /// Throws DataError beyond kMostSamples.
   SampleTree(std::vector<Vec3f> positions, std::vector<Vec3f> normals, const Vec3f& lower, float edge, int depth);
 
-  /// Mean number of samples that share a sample's cell, itself included, on each level 0 .. depth of the sort.
+  /// Mean number of samples in a sample's cell, including itself, on each level 0 .. depth of the sort.
   std::vector<double> company() const;
 
-  /// Makes levels 0 .. deepest, which is at most the depth of the sort.
+  /// Creates levels 0 .. deepest, which is at most the depth of the sort.
   void build_levels(int deepest);
 
-  int depth() const { return static_cast<int>(levels_.size()) - 1; }  ///< deepest level made
+  int depth() const { return static_cast<int>(levels_.size()) - 1; }  ///< deepest level created
   const Level& level(int l) const { return levels_[static_cast<std::size_t>(l)]; }
   const Vec3f& lower() const { return lower_; }
   float edge() const { return edge_; }
@@ -51,8 +51,8 @@ class SampleTree {
   /// Index of the cell with this code on a level; -1 if it holds no sample.
   std::int64_t find(int level, std::uint64_t code) const;
 
-  /// Each of these gives a part of the tree away for good, where it is not needed any more. take_order()[i] is the
-  /// caller's index of sorted sample i.
+  /// Each of these moves a part of the tree out that is no longer needed. take_order()[i] is the caller's index of
+  /// sorted sample i.
   std::vector<std::uint32_t> take_order() { return std::move(order_); }
   std::vector<Vec3f> take_positions() { return std::move(positions_); }
   std::vector<Vec3f> take_normals() { return std::move(normals_); }

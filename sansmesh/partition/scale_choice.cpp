@@ -14,49 +14,50 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr float kInfinite = std::numeric_limits<float>::infinity();
-/// Supports in units of the blocks' circumscribed radius, for noise small and large against the spacing (in spacings),
-/// and the balls of samples that fits start from. Many overlapping supports average over the noise of each; wide balls
-/// also blur shape: docs/methods/partition-of-unity.md has what each gains.
+/// Radii of supports in units of the blocks' circumscribed radius, for noise small and large against the spacing (in
+/// spacings), and of the initial balls of samples of fits. Many overlapping supports average the noise; wide balls also
+/// blur shape. docs/methods/partition-of-unity.md has the gain of each.
 constexpr double kSupport = 1.5, kNoisySupport = 2.5, kNoisyFit = 1.8;
 constexpr double kLittleNoise = 0.15, kMuchNoise = 0.6;
-/// Noise is about the same everywhere. Shape that is finer than the samples can tell is not: the standard deviation
-/// that one cell in ten stays below over the median one is 0.8 to 0.95 where there is noise, and 0 to 0.5 on terrain,
-/// depth frames and scans that are too coarse for their shape.
+/// Noise is about the same everywhere; unresolved shape is not. The ratio of the standard deviation at the lowest tenth
+/// of the cells to the median is 0.8 to 0.95 for noise, and 0 to 0.5 for terrain, depth frames and scans that are too
+/// coarse for their shape.
 constexpr double kShapeEvenness = 0.5, kNoiseEvenness = 0.8;
 constexpr std::size_t kLowestTenth = 10;
-constexpr double kLeastCompany = 4;  ///< samples in a sample's cell, in the mean, on the finest level that is tried
-/// Where in the mean of the samples so many cells of that level still hold a second sheet (walls as thin as the samples
-/// are apart), another level is tried, as long as there is so much company: a cell that holds both sides of a wall can
-/// follow only one.
+constexpr double kLeastCompany = 4;  ///< mean number of samples in a sample's cell on the finest level that is tried
+/// If so many cells of that level, in the mean of the samples, still hold a second sheet (walls as thin as the
+/// spacing), another level is tried, as long as cells hold this mean number of samples: a cell with both sides of a
+/// wall can follow only one.
 constexpr double kThinCells = 0.25, kThinCompany = 2.5;
 constexpr float kHoldsTwoSheets = 0.15f;
-/// Noise above this share of a ball's radius is cut off by the ball: there `uncut` has a quarter to make up for. In
-/// balls that are stretched along the normal, to so many standard deviations, it is not, but samples soon tell nothing
-/// about shapes that small.
+/// Noise above this share of a ball's radius is cut off by the ball; `uncut` then has to correct a quarter. Balls
+/// stretched along the normal, to kNoiseHeight standard deviations, do not cut it off, but shapes that small are soon
+/// unresolved.
 constexpr double kMostNoise = 0.2, kMostTallNoise = 0.4, kNoiseHeight = 5;
-/// Samples that a fit needs to tell noise, in units of the freedom that it takes: with fewer, what is left over says
-/// little.
+/// Least number of samples of a fit for an estimate of the noise, in units of the freedom that it takes: with fewer,
+/// the residual is not informative.
 constexpr float kSpareFreedom = 1.5f;
-/// What planes leave is noise where the best degree leaves no less than this part of it.
+/// The residual of planes is noise if the best degree leaves at least this part of it.
 constexpr double kNoiseShare = 0.5;
-/// A second sheet that had all of the weight would count as if the surface were √0.1 = 0.3 radii off; with much noise
-/// as if it were 0.1 radii off, since small blocks along thin walls would follow the noise.
+/// A second sheet with all of the weight has the risk of a surface √0.1 = 0.3 radii off; with much noise, 0.1 radii
+/// off, because small blocks along thin walls would follow the noise.
 constexpr float kSecondSheetRisk = 0.1f, kNoisySecondSheetRisk = 0.01f;
-/// A higher degree must promise at least a little less risk than a lower one, which bends less and is cheaper to
-/// evaluate; a cut 10 % less, for about four times the functions (25 % changes next to nothing: benchmarks/README.md).
-/// With much noise more: small balls cut it off, so that what they promise is too good.
+/// A higher degree must have a slightly lower risk than a lower one, which oscillates less and is cheaper to evaluate;
+/// a cut 10 % less, for about four times the functions (25 % changes next to nothing: benchmarks/README.md). With much
+/// noise more: small balls cut it off, which underestimates their risk.
 constexpr float kBetterDegree = 0.98f, kBetterCut = 0.9f, kBetterNoisyCut = 0.75f;
-/// Accepted error without an option: this part of the noise, which is what a quadratic fit to 400 samples can be
-/// expected to reach; and of the diagonal, a few dozen roundings of a float coordinate.
+/// Accepted error by default: this part of the noise, which is the expected error of a quadratic fit to 400 samples;
+/// and of the diagonal, a few dozen roundings of a float coordinate.
 constexpr double kAcceptedNoise = 0.1, kAcceptedSize = 2e-6;
-constexpr double kKnownNoise = 0.3;  ///< share of the samples around which the noise of a level must be known
+constexpr double kKnownNoise = 0.3;  ///< least share of the samples around which the noise of a level must be known
 
-/// Samples around a block, over `max_samples`, from which on its fit takes a part of them only. A ball holds about 0.6
-/// of what the 27 cells hold (1.3 edges in radius, a disc of 5.3 squares out of 9). So up to here a fit has at most 2.4
-/// times `max_samples`, which is still affordable, and no sample is wasted; beyond, between 0.6 and 0.75 times as many.
+/// Number of samples around a block, over `max_samples`, above which its fit uses a part of them. A ball holds about
+/// 0.6 of the samples of the 27 cells (1.3 edges in radius, a disc of 5.3 squares out of 9). Up to here a fit has at
+/// most 2.4 times `max_samples`, which is still affordable, and no sample is wasted; beyond, between 0.6 and 0.75 times
+/// as many.
 constexpr std::size_t kThinFrom = 4;
 
-/// The stride through the samples around a block that leaves enough for its fit: 1 takes all, 4 every fourth one …
+/// Stride through the samples around a block that leaves enough for its fit: 1 takes all, 4 every fourth one …
 std::size_t thinning(const BlockFitter& fitter, int level, const SampleTree::Neighbours& own) {
   std::size_t near = 0;
   const auto& begin = fitter.tree.level(level).begin;
@@ -66,15 +67,15 @@ std::size_t thinning(const BlockFitter& fitter, int level, const SampleTree::Nei
   return near > kThinFrom * limit ? near / limit : 1;
 }
 
-/// A ball of radius 1 leaves out the samples that noise takes far off the surface: over all of the disc, offsets z have
-/// the weight (1 − z²)³ ≈ exp(−3z²), so that noise of variance σ² shows as σ² / (1 + 6σ²). Undone here, but by no more
-/// than 0.3: where the ball is full of noise, what is seen says nothing about it. `stretch`: of the ball along the
-/// normal.
+/// A ball of radius 1 excludes samples that noise moves far off the surface: over all of the disc, offsets z have the
+/// weight (1 − z²)³ ≈ exp(−3z²), so that noise of variance σ² appears as σ² / (1 + 6σ²). This inverts that, with a
+/// divisor of at least 0.3: in a ball full of noise the residual is not informative. `stretch`: factor of the ball
+/// along the normal.
 float uncut(float mean_square, float stretch) {
   return mean_square / std::max(0.3f, 1 - 6 * mean_square / (stretch * stretch));
 }
 
-/// The residuals of fits of radius `scale`, up to a degree; `height` as in fit_local.
+/// Records the residuals of fits of radius `scale`, up to a degree; `height` as in fit_local.
 void record(const DegreeFits& fits, int most, float scale, float height, Trial& trial) {
   const float stretch = std::max(1.0f, height / scale);
   for (int d = 1; d <= std::min(most, fits.highest); ++d) {
@@ -83,8 +84,8 @@ void record(const DegreeFits& fits, int most, float scale, float height, Trial& 
   }
 }
 
-/// Case (iii) of METHODS §3.1 says: too many samples, subdivide. But where planes on half the scale leave no more than
-/// noise, only more samples make the fit better.
+/// Case (iii) of tejada2008, 4.4.3, subdivides blocks with too many samples. But if planes at half the scale leave no
+/// more than noise, only more samples improve the fit.
 bool only_noise(std::span<const Trial> children) {
   double plane = 0, best = 0;
   for (const Trial& t : children) {
@@ -106,7 +107,7 @@ Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, Neighb
   const Vec3f c = fitter.center(level, cell);
   LocalFunction f;
   if (stride > 1 && level < fitter.deepest) {
-    // Case (iii): subdivided without a fit. A thinned sample still tells the polygoniser how flat it is here.
+    // Case (iii): subdivided without a fit. A subset of the samples gives the flatness for the polygoniser.
     gather(fitter.tree, level, own, c, kShift * fitter.fit_radius(level), ws.ids, stride);
     const float scale = fitter.fit_radius(level);
     const DegreeFits fits = fit_local(fitter.tree, c, scale, 1, ws, f, &trial.dropped, fitter.height);
@@ -131,16 +132,16 @@ Trial try_block(const BlockFitter& fitter, int level, std::uint32_t cell, Neighb
   return trial;
 }
 
-/// Residual variance of the samples about the surface, from the fits of a block and its neighbours; -1: not known.
+/// Residual variance of the samples about the surface, from the fits of a block and its neighbours; -1: unknown.
 float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbours& around, int max_degree) {
   double sum = 0, n = 0;
   for (const std::int32_t k : around) {
     if (k < 0) continue;
     const Trial& o = trials[static_cast<std::size_t>(k)];
-    // The highest degree with freedom left: what it does not follow is noise, not shape.
+    // The highest degree with freedom left: its residual is noise, not shape.
     int d = o.highest;
     while (d > 1 && o.effective_count < kSpareFreedom * kFreedom[static_cast<std::size_t>(d)]) --d;
-    if (d < std::min(2, max_degree) || o.reach != 1) continue;  // what planes leave is also shape
+    if (d < std::min(2, max_degree) || o.reach != 1) continue;  // the residual of planes is also shape
     const double freedom = o.effective_count - kFreedom[static_cast<std::size_t>(d)];
     if (freedom < 1) continue;
     sum += o.residual(d) * o.effective_count;
@@ -149,8 +150,7 @@ float pooled_noise(const std::vector<Trial>& trials, const SampleTree::Neighbour
   return n > 0 ? static_cast<float>(sum / n) : -1;
 }
 
-/// The finest level tried is the last on which a sample typically still has enough others around it for a quadratic
-/// fit.
+/// Finest level to try: the last on which a sample typically has enough others around it for a quadratic fit.
 int finest_level(const SampleTree& tree, const PartitionOptions& options) {
   const std::vector<double> company = tree.company();
   const int deepest = static_cast<int>(company.size()) - 1;
@@ -160,14 +160,14 @@ int finest_level(const SampleTree& tree, const PartitionOptions& options) {
   return finest;
 }
 
-/// Whether a sample has so many others in its cell of a level, in the mean.
+/// Whether the mean number of samples in a sample's cell of a level is at least this.
 bool has_company(const SampleTree& tree, int level, double least) {
   const std::vector<double> company = tree.company();
   return static_cast<std::size_t>(level) < company.size() && company[static_cast<std::size_t>(level)] >= least;
 }
 
-/// 1 for the cells of each level that must be tried for what lies below some blocks: those blocks, the blocks around
-/// them on their level, whose risks they average over, all below these, and around that the finest cells that noise is
+/// 1 for the cells of each level that must be tried to refit below some blocks: those blocks, the blocks around them on
+/// their level, whose risks they average over, all blocks below these, and around them the finest cells that noise is
 /// pooled over.
 using Wanted = std::vector<std::vector<std::uint8_t>>;
 Wanted wanted_below(const SampleTree& tree, std::span<const BlockKey> roots, int finest) {
@@ -200,7 +200,7 @@ Wanted wanted_below(const SampleTree& tree, std::span<const BlockKey> roots, int
   return wanted;
 }
 
-/// From the finest level up, so that each block knows what its children found.
+/// Tries blocks from the finest level up, because each block uses its children's results.
 void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progress, const Wanted* wanted = nullptr) {
   const auto levels = static_cast<std::size_t>(choice.finest) + 1;
   std::size_t work = 0;
@@ -227,7 +227,7 @@ void try_blocks(const BlockFitter& fitter, ScaleChoice& choice, Progress& progre
   }
 }
 
-/// Once finer levels are given up, the blocks of the finest one are fitted however many samples they have.
+/// Fits the blocks of the finest level with any number of samples, after finer levels were given up.
 void refit_finest(BlockFitter& fitter, ScaleChoice& choice, const Wanted* wanted = nullptr) {
   if (choice.finest == fitter.deepest) return;
   fitter.deepest = choice.finest;
@@ -276,13 +276,13 @@ void spread_noise(const BlockFitter& fitter, ScaleChoice& choice) {
   }
 }
 
-/// Noise: what the highest affordable degree leaves over on the finest level whose balls are wide against it (a ball
-/// that is not cuts the noise off, and its fits are meaningless). Pooled over each block's neighbourhood; finer levels
-/// are given up. Where no balls are so wide it is the coarsest level that tells of noise, since those above say
-/// nothing. Returns how even it is: its standard deviation where there is little over the median.
+/// Noise: the residual of the highest affordable degree on the finest level whose balls are wide against it (other
+/// balls cut the noise off, and their fits are meaningless). Pooled over each block's neighbourhood; finer levels are
+/// given up. If no balls are so wide, the coarsest level with an estimate is used, since coarser ones have none.
+/// Returns the evenness of the noise: its standard deviation at the lowest tenth over the median.
 double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
   double evenness = 0;
-  std::optional<int> told;  // the last level that did
+  std::optional<int> told;  // last level with an estimate
   for (;; --choice.finest) {
     pool_noise(fitter, choice);
     const std::vector<Trial>& trials = choice.trials[static_cast<std::size_t>(choice.finest)];
@@ -294,7 +294,7 @@ double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
       noises.push_back(trials[c].noise);
       known += begin[c + 1] - begin[c];
     }
-    // Where few blocks hold enough samples, those few are not typical.
+    // If few blocks hold enough samples, those are not typical.
     if (known >= kKnownNoise * static_cast<double>(fitter.tree.positions().size())) {
       const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
       std::nth_element(noises.begin(), middle, noises.end());
@@ -315,7 +315,7 @@ double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
   return evenness;
 }
 
-/// The share of the samples that lie in cells of the finest level with a second sheet.
+/// Share of the samples in cells of the finest level with a second sheet.
 double share_of_two_sheets(const BlockFitter& fitter, const ScaleChoice& choice) {
   const std::vector<Trial>& trials = choice.trials[static_cast<std::size_t>(choice.finest)];
   const auto& begin = fitter.tree.level(choice.finest).begin;
@@ -325,10 +325,10 @@ double share_of_two_sheets(const BlockFitter& fitter, const ScaleChoice& choice)
   return two / static_cast<double>(fitter.tree.positions().size());
 }
 
-/// Of degrees 1 .. kMaxDegree.
+/// Risks of degrees 1 .. kMaxDegree.
 using Risks = std::array<float, kMaxDegree>;
 
-/// Mallows' estimate of the expected squared error of each degree; infinite where it cannot be told.
+/// Mallows' estimate of the expected squared error of each degree; infinite where undefined (mallows1973).
 Risks raw_risks(const Trial& t, float noise, float radius, float second) {
   Risks risks;
   risks.fill(kInfinite);
@@ -340,8 +340,8 @@ Risks raw_risks(const Trial& t, float noise, float radius, float second) {
   return risks;
 }
 
-/// The degree with the least risk, averaged over the neighbourhood (a single block's residual is itself too noisy to
-/// choose by), never below the variance that the fit must have.
+/// Chooses the degree with the least risk, averaged over the neighbourhood (a single block's residual is too noisy for
+/// a choice), at least the variance of the fit.
 void choose_degree(Trial& t, float noise, const SampleTree::Neighbours& around, const std::vector<Risks>& raw) {
   for (int d = 1; d <= t.highest; ++d) {
     const auto k = static_cast<std::size_t>(d);
@@ -355,7 +355,7 @@ void choose_degree(Trial& t, float noise, const SampleTree::Neighbours& around, 
   }
 }
 
-/// Whether a block is better left whole, bottom up.
+/// Decides bottom-up whether a block is better left whole.
 void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
   const auto needed = static_cast<float>(choice.accepted * choice.accepted);
   const float second = kSecondSheetRisk + choice.noisiness() * (kNoisySecondSheetRisk - kSecondSheetRisk);
@@ -375,7 +375,7 @@ void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
       if (level == choice.finest) return;
       const auto& child = fitter.tree.level(level).child;
       const auto& begin = fitter.tree.level(level + 1).begin;
-      // A child without company enough for a fit counts as badly served as here; its neighbours' supports cover it.
+      // A child without enough samples for a fit has the risk of this block; its neighbours' supports cover it.
       double sum = 0, n = 0;
       for (std::uint32_t k = child[c]; k < child[c + 1]; ++k) {
         const double m = begin[k + 1] - begin[k];
@@ -396,7 +396,8 @@ void choose_cuts(const BlockFitter& fitter, ScaleChoice& choice) {
   }
 }
 
-/// Leaves from the top; blocks that no fit could serve inherit nothing: their neighbours' supports or the far field do.
+/// Collects leaves from the top; blocks that cannot be fitted have none and are left to their neighbours' supports or
+/// the far field.
 void collect_leaves(const SampleTree& tree, ScaleChoice& choice, int root_level = 0, std::uint32_t root = 0) {
   std::vector<std::pair<int, std::uint32_t>> stack{{root_level, root}};
   while (!stack.empty()) {
@@ -412,7 +413,7 @@ void collect_leaves(const SampleTree& tree, ScaleChoice& choice, int root_level 
   }
 }
 
-/// Spacing of the samples, from the number that the finest level's balls hold.
+/// Spacing of the samples, from the number of samples in the finest level's balls.
 double spacing_of(const BlockFitter& fitter, const ScaleChoice& choice) {
   std::vector<float> counts;
   for (const Trial& t : choice.trials[static_cast<std::size_t>(choice.finest)])
@@ -445,7 +446,7 @@ ScaleChoice choose_scales(SampleTree& tree, const PartitionOptions& options, dou
   }
   const double evenness = find_noise(fitter, choice);
   if (!options.support) {
-    // Where noise is as large as the spacing, wider supports make a steadier surface; where it is small, they blur.
+    // If noise is as large as the spacing, wider supports make a more stable surface; if it is small, they blur.
     const double ratio = std::sqrt(choice.variance) / spacing_of(fitter, choice);
     const double noisy = std::clamp((ratio - kLittleNoise) / (kMuchNoise - kLittleNoise), 0.0, 1.0) *
                          std::clamp((evenness - kShapeEvenness) / (kNoiseEvenness - kShapeEvenness), 0.0, 1.0);

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
 
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/largest_first.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
@@ -15,12 +15,12 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// How far off its zero set, in edges of the smaller block, the foot of a neighbour on the same sheet may be.
+/// Largest distance, in edges of the smaller block, of the foot of a neighbour on the same sheet from the zero set.
 constexpr float kAgreement = 0.35f;
-/// Steps from piece to piece that lead onto a crease.
+/// Number of steps from piece to piece onto a crease.
 constexpr int kSteps = 8;
 
-/// The value of a support at x, its crease included.
+/// Value of a support at x, including its crease.
 float support_value(const PartitionData& data, std::uint32_t i, const Vec3f& x) {
   const LocalFunction* f = &data.functions[i];
   float value = local_value(*f, x);
@@ -33,8 +33,8 @@ float support_value(const PartitionData& data, std::uint32_t i, const Vec3f& x) 
   return value;
 }
 
-/// Where a support says that the surface is. The foot of one with a crease lies on its first piece, but may lie beyond
-/// the crease, off the surface.
+/// A point of a support on the surface. The foot of a creased support is on its first piece, possibly beyond the
+/// crease, off the surface.
 Vec3f place_on_surface(const PartitionData& data, std::uint32_t i) {
   const Support& s = data.supports[i];
   if (!s.creased) return s.foot;
@@ -64,7 +64,7 @@ bool same_sheet(const PartitionData& data, std::span<const Vec3f> places, std::u
   return a.creased || b.creased ? there || back : there && back;
 }
 
-/// Samples in the block of each support.
+/// Number of samples in the block of each support.
 std::vector<std::uint32_t> count_samples(const PartitionData& data, std::span<const Vec3f> samples) {
   const int depth = data.basis.sort_depth;
   std::vector<std::uint64_t> code(samples.size());
@@ -133,9 +133,8 @@ Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples) {
     area[k] += static_cast<double>(data.supports[i].area);
     found[k] += count[i];
   }
-  std::vector<std::uint32_t> order(area.size()), rank(area.size());
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return area[a] > area[b]; });
+  const std::vector<std::uint32_t> order = largest_first(area);
+  std::vector<std::uint32_t> rank(area.size());
   const double one = data.report.spacing * data.report.spacing;
   for (std::size_t r = 0; r < order.size(); ++r) {
     const std::uint32_t k = order[r];

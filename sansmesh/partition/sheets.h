@@ -1,4 +1,4 @@
-// Connected sheets of a partition of unity, from its supports alone: no mesh is made.
+// Connected sheets of a partition of unity, computed from its supports without a mesh.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,19 @@
 
 namespace sansmesh::inline v1 {
 
-/// Connected sheets: supports whose blocks touch and whose functions agree on where the surface runs.
+/// Connected sheets: supports whose blocks touch and whose functions agree on the position of the surface.
 struct Sheets {
   std::vector<std::uint32_t> of_support;  ///< 0 has the largest area, and so on; kNone: constants
   std::vector<double> area;               ///< length²
-  /// Samples in the supports' blocks times the area that each stands for, over the area: about 1 for a sheet that was
-  /// sampled, far less for one that was made of strays or of nothing.
+  /// Total area of the samples in the supports' blocks over the area of the sheet: about 1 for a sampled sheet, far
+  /// less for one caused by stray samples or by extrapolation.
   std::vector<double> evidence;
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
   std::size_t size() const { return area.size(); }
 };
-/// With less evidence a sheet is taken to be spurious.
+/// Sheets with less evidence are considered spurious.
 constexpr double kLeastEvidence = 0.25;
-/// `samples`: along the Morton curve; empty: no evidence (0).
+/// `samples`: in the order of the Morton curve; empty: no evidence (0).
 Sheets find_sheets(const PartitionData& data, std::span<const Vec3f> samples);
 
 }  // namespace sansmesh::inline v1

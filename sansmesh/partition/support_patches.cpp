@@ -5,7 +5,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Least share of a support's patch in the far field's distance, in squares of its block's edge.
+/// Least weight of a support's patch in the far field's distance, in squares of its block's edge.
 constexpr float kLeastPatch = 0.5f;
 
 }  // namespace
@@ -14,7 +14,7 @@ std::vector<OrientedPatch> support_patches(const PartitionData& data) {
   std::vector<OrientedPatch> patches(data.supports.size());
   parallel_for(0, patches.size(), 8192, [&](std::size_t i) {
     const float h = data.edge / static_cast<float>(1u << data.supports[i].level);
-    // Planes that a paper's fit borrowed from elsewhere are no surface.
+    // Planes that the published method borrowed from elsewhere are no surface.
     const float least = data.paper && data.report.area > 0 && data.supports[i].area == 0 ? 0 : kLeastPatch * h * h;
     patches[i] = {data.supports[i].foot, data.functions[i].nu * data.supports[i].area, least};
   });

@@ -1,4 +1,4 @@
-// The surface of a partition of unity as patches, for the far field.
+// Surface of a partition of unity as patches, for the far field.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Each support's piece of surface within its own block: together they tile the surface.
+/// The part of the surface of each support within its block: together they tile the surface.
 std::vector<OrientedPatch> support_patches(const PartitionData& data);
 
 }  // namespace sansmesh::inline v1

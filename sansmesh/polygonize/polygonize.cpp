@@ -10,6 +10,7 @@
 #include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/vertex_corners.h"
 #include "sansmesh/polygonize/extraction.h"
+#include "sansmesh/polygonize/lattice.h"
 #include "sansmesh/polygonize/surface_chain.h"
 #include "sansmesh/polygonize/vertex_placement.h"
 

@@ -2,7 +2,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/surface/bilateral_kernels.cpp"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, as Highway requires.
+// Must follow foreach_target.h (Highway).
 #include <hwy/highway.h>
 
 #include "sansmesh/surface/bilateral_kernels.h"
@@ -12,10 +12,10 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
-constexpr float kFarthest = 60;  // exponent beyond which exp() is nothing
+constexpr float kFarthest = 60;  // larger exponents of exp() have no effect
 
-/// What of a weight depends on the distance: the factor of the bilateral ones, the exponent of laguerre. False where no
-/// lane is reached.
+/// The part of a weight that depends on the distance: the factor of the bilateral formulas, the exponent of laguerre.
+/// False if no lane is reached.
 template <NormalFormula kFormula>
 HWY_INLINE bool ByDistance(const Candidate& c, const V& d2, V& factor) {
   const Tag tag;
@@ -67,7 +67,7 @@ void Refine(std::span<const Candidate> candidates, const PointGroup& group, int 
           const V turn = hn::Mul(hn::Sub(one, cosine), Constant(inverse_turn));
           const V exponent = hn::Min(pn::MulAdd(hn::Mul(z, z), Constant(c.inverse_height), turn), Constant(kFarthest));
           const V w = hn::Mul(factor, pn::Exp(hn::Neg(exponent)));
-          // The other side of a thin sheet does not count, whatever its distance.
+          // The other side of a thin sheet has no weight at any distance.
           own = hn::IfThenElseZero(hn::Gt(cosine, zero), w);
         }
         sum.x = pn::MulAdd(own, Constant(c.nx), sum.x);
@@ -79,12 +79,12 @@ void Refine(std::span<const Candidate> candidates, const PointGroup& group, int 
         heights = pn::MulAdd(own, over, heights);
       }
       height = hn::Div(heights, hn::Max(weights, Constant(1e-30f)));
-      // The polynomial has negative values: where these prevail, no height is known.
+      // The polynomial has negative values: where they dominate, no height is known.
       if constexpr (kFormula == NormalFormula::laguerre)
         height = hn::IfThenElseZero(hn::Gt(weights, Constant(1e-3f)), height);
       const V n2 = pn::MulAdd(sum.x, sum.x, pn::MulAdd(sum.y, sum.y, hn::Mul(sum.z, sum.z)));
       auto good = hn::Gt(n2, Constant(1e-36f));
-      // Nor is a normal where they turn it to the other side.
+      // The same holds for a normal that they turn to the opposite side.
       if constexpr (kFormula == NormalFormula::laguerre) {
         const V along = pn::MulAdd(sum.x, n.x, pn::MulAdd(sum.y, n.y, hn::Mul(sum.z, n.z)));
         good = hn::And(good, hn::Gt(along, zero));

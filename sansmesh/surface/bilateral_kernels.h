@@ -1,4 +1,4 @@
-// The sums behind the bilateral normals: sixteen points at a time, SIMD inside.
+// Kernels of bilateral normals, for groups of sixteen points.
 #pragma once
 
 #include <span>
@@ -9,18 +9,19 @@ namespace sansmesh::inline v1::detail {
 
 struct GroupNormals {
   alignas(64) float x[kGroup], y[kGroup], z[kGroup];
-  alignas(64) float height[kGroup];  ///< of the point over the planes of the samples that decided
+  alignas(64) float height[kGroup];  ///< height of the point over the tangent planes of the contributing samples
 };
 
-/// How much a sample counts.
+/// Weight functions of samples.
 enum class NormalFormula {
-  bilateral,           ///< compact weight, times functions of height and turn
-  bilateral_gaussian,  ///< the same with exp(−d²/h²)
-  laguerre  ///< (35/8 − 7/2 s + ½ s²) e^{−s} with s = ε d²/h² + height² / (2σ²): the source's, nothing else
+  bilateral,           ///< compact weight, times functions of height and of the angle of normals
+  bilateral_gaussian,  ///< the same with the radial weight exp(−d²/h²)
+  laguerre  ///< (35/8 − 7/2 s + ½ s²) e^{−s} with s = ε d²/h² + height² / (2σ²) (tejada2008, 4.3.2)
 };
 
-/// Refines the unit normals in place, and fills in the heights. `inverse_height` of the candidates is 1 / (2σ²);
-/// `inverse_turn` is 1 / τ². `inverse_support`: of compact weights 1 / (2h)², else 1 / h² (laguerre: ε / h²).
+/// Refines the unit normals in place, and computes the heights. `inverse_height` of the candidates is 1 / (2σ²);
+/// `inverse_turn` is 1 / τ². `inverse_support`: 1 / (2h)² for compact weights, 1 / h² for Gaussians, ε / h² for
+/// laguerre.
 void refine_group(NormalFormula formula, std::span<const Candidate> candidates, const PointGroup& group, int iterations,
                   float inverse_turn, GroupNormals& normals);
 

@@ -1,4 +1,4 @@
-// A normal field that turns sharply where the samples' normals do (METHODS §2.4; tejada2008 §4.3.2).
+// Normal field that reproduces the creases in the samples' normals (tejada2008, 4.3.2).
 #pragma once
 
 #include <memory>
@@ -14,37 +14,37 @@ namespace sansmesh::inline v1 {
 
 struct BilateralOptions {
   using Formula = SharpFormula;
-  /// σ: samples farther than this from the tangent plane at the point count little (length); default: a third of the
-  /// local spacing, and the noise.
+  /// σ: samples farther than this from the tangent plane at the point have low weight (length); default: a third of the
+  /// local spacing, plus the noise.
   std::optional<double> height = {};
-  std::optional<double> smoothing = {};  ///< width of the radial weights over the local spacing, 0.5..20; default: 1.2,
-                                         ///< more with noise
-  /// Samples whose normals differ from that at the point by more than this (length of the difference of unit vectors,
-  /// 0.4: 23°) count little; the source has no such term, but next to an edge the heights alone leave a tilt.
+  /// Width of the radial weights over the local spacing, 0.5..20; default: 1.2, more with noise.
+  std::optional<double> smoothing = {};
+  /// Samples whose normals differ from that at the point by more than this have low weight (length of the difference of
+  /// unit vectors, 0.4: 23°). An addition to the source: next to an edge the heights alone leave a tilt.
   double turn = 0.4;
   int iterations = 4;  ///< 0..20
   SharpFormula formula = SharpFormula::bilateral;
-  double epsilon = 1;                                ///< laguerre: ε, 0.05..20
-  std::optional<double> bandwidth = {};              ///< h as one length, in place of `smoothing`
-  SurfaceWeights weights = SurfaceWeights::compact;  ///< bilateral: those of distance
+  double epsilon = 1;                                ///< laguerre only: ε, 0.05..20
+  std::optional<double> bandwidth = {};              ///< h as one length, replaces `smoothing`
+  SurfaceWeights weights = SurfaceWeights::compact;  ///< bilateral only: radial weights
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// n⁽ᵏ⁺¹⁾(x) = normalise Σ n_i φ_i(x) exp(−⟨n⁽ᵏ⁾(x), x_i − x⟩² / (2σ²)) exp(−‖n⁽ᵏ⁾(x) − n_i‖² / (2τ²)): samples on the
-/// tangent plane decide, so that next to an edge those of the other side lose influence. Only sensible on or next to
-/// the surface; the samples' own normals should be robust (denoise_normals).
+/// n⁽ᵏ⁺¹⁾(x) = normalise Σ n_i φ_i(x) exp(−⟨n⁽ᵏ⁾(x), x_i − x⟩² / (2σ²)) exp(−‖n⁽ᵏ⁾(x) − n_i‖² / (2τ²)). Samples on the
+/// tangent plane dominate, so that next to an edge those of the other side lose influence. Valid on or next to the
+/// surface only; the samples' own normals should be robust (denoise_normals).
 class BilateralNormals : public NormalField {
  public:
-  /// Throws ArgumentError for bad options.
+  /// Throws ArgumentError for invalid options.
   BilateralNormals(const SurfaceSamples& samples, const BilateralOptions& options);
   BilateralNormals(BilateralNormals&&) noexcept;
   BilateralNormals& operator=(BilateralNormals&&) noexcept;
   ~BilateralNormals() override;
 
   void refine(std::span<const Vec3> x, std::span<Vec3> normals) const override { refine(x, normals, {}); }
-  /// `heights`, if not empty: those of x over the weighted mean of the tangent planes of the samples that decided
-  /// (length; Öztireli et al. 2009), and 0 where no sample is near or iterations = 0.
+  /// `heights`, if not empty: heights of x over the weighted mean of the tangent planes of the contributing samples
+  /// (length; oztireli2009); 0 where no sample is near or iterations = 0.
   void refine(std::span<const Vec3> x, std::span<Vec3> normals, std::span<double> heights) const;
 
  private:
@@ -52,12 +52,12 @@ class BilateralNormals : public NormalField {
   std::unique_ptr<State> state_;
 };
 
-/// The heights over the planes of each face as values, and refined normals as gradients: points next to the surface of
-/// another field, such as the vertices of a mesh of it, are led back to the faces that it rounds off. The heights go on
-/// beyond the edges of faces: not to be followed by rays or polygonisers.
+/// Heights over the planes of each face as values, refined normals as gradients. Moves points next to the surface of
+/// another field, such as vertices of its mesh, back to the faces that the field rounds off. The heights continue
+/// beyond the edges of faces: not suitable for ray casting or polygonisation.
 class FaceField : public ScalarField {
  public:
-  /// Both must outlive the field. Where no sample is near its values are those of `field`.
+  /// Both must outlive the field. Where no sample is near, values are those of `field`.
   FaceField(const ScalarField& field, const BilateralNormals& normals) : field_(field), normals_(normals) {}
   Box3 bounds() const override { return field_.bounds(); }
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;

@@ -9,15 +9,15 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kCompactSupport = 2, kGaussianSupport = 3.4641;  // over h
-/// How far from the surface formulas are good for, as a share of the width of the weights: the generating functions of
+constexpr double kCompactSupport = 2, kGaussianSupport = 3.4641;  // radius of the supports over h
+/// Validity of the formulas over the width of the weights (distance from the surface): the generating functions of
 /// orders 4 and 6 change their signs again at 1.22 and 0.96 widths from a plane, the extremal energy at 0.8.
 constexpr double kSlab = 0.75;
-/// Boxes of groups of points over the median spacing: smaller ones waste lanes, larger ones waste samples.
+/// Size of the boxes of groups over the median spacing: smaller ones waste lanes, larger ones waste samples.
 constexpr double kGroupExtent = 3.2;
-/// Cosine to the mean normal from which on any two differ by less than 90°.
+/// Above this cosine to the mean normal any two normals differ by less than 90°.
 constexpr float kAgree = 0.7072f;
-constexpr std::size_t kBatch = 4096;  // points that are sorted together
+constexpr std::size_t kBatch = 4096;  // number of points that are sorted together
 
 }  // namespace
 
@@ -91,17 +91,17 @@ bool Candidates::gather(const PointGroup& group, const Box3f& box, std::vector<C
   }
   const float limit = kAgree * norm(mean);
   for (const Candidate& c : chosen)
-    if (!(c.nx * mean.x + c.ny * mean.y + c.nz * mean.z > limit)) return true;  // so too where the mean vanishes
+    if (!(c.nx * mean.x + c.ny * mean.y + c.nz * mean.z > limit)) return true;  // also if the mean vanishes
   return false;
 }
 
 void Candidates::for_each_group(std::span<const Vec3> x, const Visit& visit) const {
-  // Batches of lattice points come by the million; rays' by the hundred, from threads of their own.
+  // Batches of lattice points have millions of points; those of rays have hundreds, and come from separate threads.
   const std::size_t batches = (x.size() + kBatch - 1) / kBatch;
   parallel_for(0, batches, 1, [&](std::size_t b) {
     thread_local std::vector<Candidate> of_thread;
     std::vector<Candidate> chosen;
-    chosen.swap(of_thread);  // `visit` may ask another surface
+    chosen.swap(of_thread);  // `visit` may evaluate another surface
     const std::size_t first = b * kBatch;
     detail::for_each_group(x.subspan(first, std::min(kBatch, x.size() - first)), extent_,
                            [&](PointGroup& group, const Box3f& box) {

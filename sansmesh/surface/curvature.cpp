@@ -19,12 +19,12 @@ using detail::CurvatureFitter, detail::kReachOverWidth, detail::same_sheet;
 
 constexpr std::array<std::size_t, 11> kSizes{20, 28, 40, 56, 80, 112, 160, 224, 320, 448, 640};
 constexpr std::size_t kPlaces = 400;
-constexpr double kGoodEnough = 0.02;  ///< relative error of the curvatures that no larger neighbourhood is asked for
+constexpr double kGoodEnough = 0.02;  ///< relative error of the curvatures that needs no larger neighbourhood
 
 int choose_neighbours_on_tree(const KdTree& tree, const PointSet& points, double noise) {
   const std::size_t places = std::min(kPlaces, tree.size());
   constexpr std::size_t kCount = kSizes.size();
-  // For each place and size the variance by the noise, and the squared change to the next size.
+  // For each point and size, the variance due to noise and the squared change to the next size.
   constexpr double kNone = -1;
   std::vector<std::array<double, kCount>> variances(places), changes(places), squares(places);
   const CurvatureOptions options;
@@ -71,7 +71,7 @@ int choose_neighbours_on_tree(const KdTree& tree, const PointSet& points, double
   });
 
   std::vector<double> values;
-  // The median over the places that have a value; kNone where none has.
+  // Median over the points that have a value; kNone if there are none.
   const auto typical = [&](const std::vector<std::array<double, kCount>>& all, std::size_t size) {
     values.clear();
     for (const auto& a : all)
@@ -85,9 +85,9 @@ int choose_neighbours_on_tree(const KdTree& tree, const PointSet& points, double
     const double variance = typical(variances, size), next = typical(variances, size + 1);
     const double change = typical(changes, size);
     if (variance < 0 || next < 0 || change < 0) continue;
-    // The bias grows with h², that is, in proportion to the size, by 0.4 from one size to the next: the change is 0.4
-    // of the bias, plus what the noise does, whose variance falls by (the larger fit being the better one) the
-    // difference of the two; 0.7 of it in the median.
+    // The bias grows with h², so in proportion to the size, by 0.4 from one size to the next: the change is 0.4 of
+    // the bias, plus the effect of the noise, whose variance decreases by the difference of the two (the larger fit is
+    // the better one); 0.7 of it in the median.
     shape = std::max(shape, std::max(0.0, change - 0.7 * (variance - next)) / 0.16);
     if (variance + shape < least) least = variance + shape, best = size;
     if (least < kGoodEnough * kGoodEnough * (typical(squares, size) - variance)) break;

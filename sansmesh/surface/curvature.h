@@ -14,23 +14,22 @@
 
 namespace sansmesh::inline v1 {
 
-/// Curvatures anywhere near a cloud (METHODS §2.2). Around x with normal n and tangent coordinates (u, v), each
-/// neighbour d = x_i − x gives a directional curvature κ_i = −2⟨n, d⟩/‖d‖², and Euler's theorem makes χ₁ + χ₂ cos 2θ +
-/// χ₃ sin 2θ ≈ κ_i a linear least-squares problem in three unknowns. Beyond the source: an offset and two slopes as
-/// further unknowns, and the neighbourhood chosen from the data.
+/// Curvatures at points near a cloud (tejada2008, 4.2). Around x with normal n and tangent coordinates (u, v), each
+/// neighbour d = x_i − x gives a directional curvature κ_i = −2⟨n, d⟩/‖d‖². By Euler's theorem χ₁ + χ₂ cos 2θ + χ₃ sin
+/// 2θ ≈ κ_i is a linear least-squares problem in three unknowns. Additions to the source: an offset and two slopes as
+/// further unknowns, and a neighbourhood chosen from the data.
 class CurvatureEstimator {
  public:
-  /// Copies what it needs of the cloud. Throws ArgumentError for bad options, DataError for a cloud without normals.
+  /// Copies the data that it needs. Throws ArgumentError for invalid options, DataError for a cloud without normals.
   CurvatureEstimator(const PointSet& points, const CurvatureOptions& options);
 
-  /// Curvatures at points on or next to the surface with unit outward normals there. Undefined where the nearest sample
-  /// is farther away than half the neighbourhood's radius. Sizes must agree. Safe from several threads; runs in
-  /// parallel itself.
+  /// Curvatures at points on or next to the surface with unit outward normals there. Undefined if the nearest sample is
+  /// farther away than half the neighbourhood's radius. Sizes must agree. Thread-safe; runs in parallel itself.
   void evaluate(std::span<const Vec3> x, std::span<const Vec3> normals, std::span<PrincipalCurvatures> result) const;
   /// Curvatures at all samples, in the cloud's order.
   std::vector<PrincipalCurvatures> at_samples(Progress& progress) const;
 
-  /// Samples in a neighbourhood; 0 where a radius was given.
+  /// Number of samples in a neighbourhood; 0 if a radius was given.
   int neighbours() const { return neighbours_; }
 
  private:
@@ -43,13 +42,13 @@ class CurvatureEstimator {
   std::size_t cloud_size_ = 0;
 };
 
-/// Neighbours that make the expected error of the curvatures least: a few hundred places are fitted with
-/// neighbourhoods of 20 to 640 samples. What the noise does to a fit follows from the fit's weights; what the shape
-/// does is seen in how the curvatures change from one size to the next.
+/// Number of neighbours with the least expected error of the curvatures, from a few hundred fits with 20 to 640
+/// neighbours. The error due to noise follows from the weights of the fit, the error due to shape from the change of
+/// the curvatures from one size to the next.
 int choose_curvature_neighbours(const PointSet& points, double noise);
 
-/// Curvatures at all samples; not defined where positions are not finite or normals zero. Throws ArgumentError for bad
-/// options, DataError for a cloud without normals.
+/// Curvatures at all samples; undefined where positions are not finite or normals are zero. Throws ArgumentError for
+/// invalid options, DataError for a cloud without normals.
 std::vector<PrincipalCurvatures> estimate_curvatures(const PointSet& points, const CurvatureOptions& options,
                                                      Progress& progress);
 

@@ -13,8 +13,8 @@ namespace {
 
 using Quantity = CurvatureColorOptions::Quantity;
 
-constexpr std::size_t kNear = 8;     ///< samples that a colour is mixed from
-constexpr double kFullColor = 0.95;  ///< quantile of the absolute values that gets the full colour
+constexpr std::size_t kNear = 8;     ///< number of samples that a colour is mixed from
+constexpr double kFullColor = 0.95;  ///< quantile of the absolute values with the full colour
 constexpr Vec3f kUnknown{0.6f, 0.6f, 0.6f};
 
 }  // namespace
@@ -75,7 +75,7 @@ void CurvatureColors::evaluate(std::span<const Vec3> x, std::span<Vec3f> colors)
       colors[i] = kUnknown;
       const std::size_t n = tree_.nearest(Vec3f(x[i]), near);
       if (n == 0) continue;
-      // A bump that ends at the farthest sample: no jump where samples come and go.
+      // The weights vanish at the farthest sample, so that the colour is continuous where samples enter and leave.
       const double reach = static_cast<double>(near[n - 1].squared_distance) * 1.0001 + 1e-37;
       double sum = 0, total = 0;
       for (std::size_t j = 0; j < n; ++j) {

@@ -1,4 +1,4 @@
-// Least-squares fit of the curvatures around one place: what estimates at samples and at vertices have in common.
+// Least-squares fit of the curvatures around one point: shared by the estimates at samples and at vertices.
 #pragma once
 
 #include <algorithm>
@@ -12,16 +12,16 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Neighbourhoods end at this many h: exp(−1.6²) = 0.08.
+/// Radius of neighbourhoods over h: exp(−1.6²) = 0.08.
 inline constexpr double kReachOverWidth = 1.6;
 inline constexpr std::size_t kCurvatureUnknowns = 6;
 
-/// Whether a neighbour may be a sample of the same sheet.
+/// Whether a neighbour may belong to the same sheet.
 inline bool same_sheet(const Vec3& normal, const Vec3f& neighbours_normal) {
   return dot(normal, Vec3(neighbours_normal)) >= 0;
 }
 
-/// Σ w row rowᵀ and Σ w row value, lower triangle only; the first `n` of the six unknowns take part.
+/// Σ w row rowᵀ and Σ w row value, lower triangle only, for the first `n` of the six unknowns.
 struct NormalEquations {
   std::array<std::array<double, kCurvatureUnknowns>, kCurvatureUnknowns> a{};
   std::array<double, kCurvatureUnknowns> right{};
@@ -74,11 +74,11 @@ struct NormalEquations {
   std::array<double, kCurvatureUnknowns> d_{};
 };
 
-/// One neighbourhood after another, without allocation in the loop. Lengths are divided by the radius of the
+/// Fits one neighbourhood after another without allocations in the loop. Lengths are divided by the radius of the
 /// neighbourhood.
 ///
-/// The equation of a neighbour, κ_i = χ₁ + χ₂ cos 2θ + χ₃ sin 2θ, times −‖d‖²/2 is one of heights z = ⟨n, d⟩:
-/// z = −½(‖d‖² χ₁ + c χ₂ + s χ₃) [+ δ] [+ a u + b v], of weight w_i · 4/‖d‖⁴. An offset and slopes fit in there.
+/// The equation of a neighbour, κ_i = χ₁ + χ₂ cos 2θ + χ₃ sin 2θ, times −‖d‖²/2 is an equation of heights z = ⟨n, d⟩: z
+/// = −½(‖d‖² χ₁ + c χ₂ + s χ₃) [+ δ] [+ a u + b v], with weight w_i · 4/‖d‖⁴. An offset and slopes can be added.
 class CurvatureFitter {
  public:
   explicit CurvatureFitter(const CurvatureOptions& options) : options_(options) {}
@@ -117,7 +117,7 @@ class CurvatureFitter {
   /// χ₁, χ₂, χ₃ of the last fit.
   std::array<double, 3> chi() const { return {solution_[0] / radius_, solution_[1] / radius_, solution_[2] / radius_}; }
 
-  /// Variance of χ₁ + that of χ₂ + that of χ₃, for heights of unit variance.
+  /// Sum of the variances of χ₁, χ₂ and χ₃ for heights of unit variance.
   double variance(std::size_t count) const {
     std::array<std::array<double, kCurvatureUnknowns>, 3> inverse;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -156,7 +156,7 @@ class CurvatureFitter {
     };
     const double ee = hessian(e, e), ef = hessian(e, f), ff = hessian(f, f);
     const double mean = 0.5 * (ee + ff), half = 0.5 * (ee - ff), spread = std::hypot(half, ef);
-    // The eigenvector to mean + spread, from the row without cancellation.
+    // Eigenvector of mean + spread, from the row without cancellation.
     Vec3 first = half >= 0 ? e * (spread + half) + f * ef : e * ef + f * (spread - half);
     first = spread > 0 ? normalized(first) : e;
     const Vec3 second = cross(n, first);
@@ -172,13 +172,13 @@ class CurvatureFitter {
   }
 
  private:
-  /// The row, weight and height of one neighbour (lengths in radii); false for one without weight.
+  /// Row, weight and height of one neighbour (lengths in radii); false for one without weight.
   bool equation(const Vec3& d, std::array<double, kCurvatureUnknowns>& row, double& weight, double& height) const {
     const double flat = d.x * d.x + d.y * d.y, squared = flat + d.z * d.z;
     constexpr double kCoincident = 1e-10;
     if (!(flat > kCoincident)) return false;
-    // With nothing but χ the equations are the source's: angles alone count. A quadric's are steadier where the offset
-    // lets samples lie above or below the place.
+    // With χ as the only unknowns, the equations are those of tejada2008: only angles count. Equations of a quadric are
+    // more stable if the offset allows samples above or below the point.
     const double turn = options_.offset || options_.refit_normal ? 1 : squared / flat;
     row = {-0.5 * squared, -0.5 * turn * (d.x * d.x - d.y * d.y), -turn * d.x * d.y, 1, d.x, d.y};
     height = d.z;

@@ -1,4 +1,4 @@
-// Words for the quantities that curvature is shown by.
+// Range of curvature values for colour maps.
 #pragma once
 
 #include <string>
@@ -9,7 +9,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// A range of curvatures of the input (per length or length²) in coordinates of so many lengths of the input.
+/// Converts a range of curvatures of the input (1 / length, or 1 / length² for Gaussian curvature) to coordinates whose
+/// unit is `unit` lengths of the input.
 double curvature_range(double range, CurvatureQuantity quantity, double unit);
 
 }  // namespace sansmesh::inline v1

@@ -11,7 +11,7 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr int kRounds = 30;
-constexpr float kContact = 2;  // contacts nearer than this many spacings are noise, not another part of the surface
+constexpr float kContact = 2;  // nearer contacts (in spacings) are noise, not another part of the surface
 constexpr std::size_t kFeatureNeighbours = 12;
 constexpr int kSpreads = 4;
 

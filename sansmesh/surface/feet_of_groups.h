@@ -1,4 +1,4 @@
-// From the feet of a group to those of a batch: what projections share.
+// Writes the foot points of groups to those of a batch: shared by all projections.
 #pragma once
 
 #include <span>
@@ -8,8 +8,8 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Calls kernel(group, candidates, mixed, feet of the group) for all groups of x. Points outside of the domain, those
-/// that are not finite, and those whose foot is not, stay where they are, undefined.
+/// Calls kernel(group, candidates, mixed, feet of the group) for all groups of x. Points outside of the domain, points
+/// that are not finite, and points whose foot is not finite keep their position and are undefined.
 template <class Kernel>
 void project_groups(const Candidates& candidates, std::span<const Vec3> x, std::span<FootPoint> feet,
                     const Kernel& kernel) {

@@ -1,4 +1,4 @@
-// Planes and polynomials fitted to samples, one point a lane: shared by the kernels of projections. Included once for
+// Planes and polynomials fitted to samples, one point per lane: shared by the kernels of projections. Included once for
 // each instruction set.
 #if defined(SANSMESH_SURFACE_FIT_LANES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SANSMESH_SURFACE_FIT_LANES_INL_H_
@@ -17,9 +17,9 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
-constexpr float kLeast = 1e-30f;  // squares below this are not divided by
-constexpr int kInverseSteps = 4;  // of the inverse iteration: the smallest eigenvalue is far below the others
-/// Ridge of the normal equations, over the diagonal: too few samples then give the flattest surface.
+constexpr float kLeast = 1e-30f;  // smallest divisor of squares
+constexpr int kInverseSteps = 4;  // steps of the inverse iteration; the smallest eigenvalue is far below the others
+/// Ridge of the normal equations, relative to the diagonal: too few samples give the flattest surface.
 constexpr float kRidge = 1e-5f;
 
 HWY_INLINE V Times(const V& a, const V& b) { return hn::Mul(a, b); }
@@ -38,7 +38,7 @@ HWY_INLINE Lanes Unit(const Lanes& a, const Lanes& otherwise) {
           hn::IfThenElse(good, Times(a.z, inverse), otherwise.z)};
 }
 
-/// The frame that tangent_frame() of sansmesh/vec.h gives.
+/// The frame of tangent_frame() in sansmesh/vec.h.
 HWY_INLINE void TangentFrame(const Lanes& n, Lanes& t, Lanes& b) {
   const V one = Constant(1);
   const V sign = hn::CopySign(one, n.z);
@@ -78,8 +78,8 @@ HWY_INLINE Lanes LeastAxis(V xx, V xy, V xz, V yy, V yz, V zz, const Lanes& star
   return {Times(n.x, side), Times(n.y, side), Times(n.z, side)};
 }
 
-/// The same to the precision of floats, whatever the ratio of the eigenvalues: steps shifted by Rayleigh's quotient
-/// follow, whose adjugate tends to the projection on the eigenvector. The trace should be about 1.
+/// The same with the precision of floats for any ratio of the eigenvalues: steps shifted by Rayleigh's quotient follow,
+/// whose adjugate tends to the projection on the eigenvector. The trace should be about 1.
 HWY_INLINE Lanes LeastEigenvector(const V& xx, const V& xy, const V& xz, const V& yy, const V& yz, const V& zz,
                                   const Lanes& start) {
   Lanes n = LeastAxis(xx, xy, xz, yy, yz, zz, start);
@@ -138,7 +138,7 @@ HWY_INLINE Offset From(const Lanes& p, const Candidate& c) {
   return {x, y, z, pn::MulAdd(x, x, pn::MulAdd(y, y, Times(z, z)))};
 }
 
-/// Weight of a candidate at the offset; false where no lane is reached.
+/// Weight of a candidate at the offset; false if it reaches no lane.
 template <bool kGaussian = false>
 HWY_INLINE bool WeightAt(const Candidate& c, const Offset& o, bool sheets, const Lanes& near, V& w) {
   if constexpr (kGaussian) {
@@ -157,11 +157,11 @@ HWY_INLINE bool WeightAt(const Candidate& c, const Offset& o, bool sheets, const
 
 struct Plane {
   Lanes normal;
-  V distance;  // of the point from the plane, along the normal: the plane passes through p + distance · normal
-  V width2;    // mean of h² under the weights
+  V distance;  // distance of the point from the plane, along the normal: the plane passes through p + distance · normal
+  V width2;    // weighted mean of h²
 };
 
-/// The plane through the weighted mean of the samples, with their mean normal, or that of least squares.
+/// Plane through the weighted mean of the samples, with their mean normal or that of least squares.
 template <bool kLeastSquares, bool kGaussian = false>
 HWY_INLINE Plane FitPlane(std::span<const Candidate> candidates, const Lanes& p, bool sheets, const Lanes& near,
                           V* inside) {
@@ -193,13 +193,13 @@ HWY_INLINE Plane FitPlane(std::span<const Candidate> candidates, const Lanes& p,
   return {n, Dot3(n, mean), Times(h2, inverse)};
 }
 
-/// The points of a group from `at` on.
+/// Points of a group from index `at` on.
 HWY_INLINE Lanes PointsAt(const PointGroup& group, std::size_t at) {
   const Tag d;
   return {hn::Load(d, group.x + at), hn::Load(d, group.y + at), hn::Load(d, group.z + at)};
 }
 
-/// A step to Levin's plane: that of least squares with weights about q, its distance that of x.
+/// A step to Levin's plane: the least-squares plane with weights about q, its distance measured from x.
 template <bool kGaussian = false>
 HWY_INLINE Plane PlaneBelow(std::span<const Candidate> candidates, const Lanes& q, const Lanes& x, bool sheets,
                             const Lanes& near) {

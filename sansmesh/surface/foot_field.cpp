@@ -10,18 +10,18 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Over the spacing: supports of the weights, and radii of the balls of the domain. Places a spacing apart or less in a
-/// layer two spacings thick leave no gap between balls.
+/// Radii over the spacing of the supports of the weights and of the balls of the domain. Points at most a spacing
+/// apart, in a layer two spacings thick, leave no gap between balls.
 constexpr float kFootSupport = 1.6f, kFootReach = 1.1f;
-/// Paraboloids bend no more than a sphere of one spacing: their rims would fold back.
+/// Largest curvature of paraboloids, that of a sphere of one spacing: the rims of others would fold back.
 constexpr double kMostBent = 1;
-/// Feet rest when a step is shorter than this, and belong to their place within that, in spacings.
+/// A foot is at rest if a step is shorter than kAtRest, and belongs to a point within kBelongs, both in spacings.
 constexpr double kAtRest = 0.005, kBelongs = 2;
 constexpr int kMostSteps = 6;
-constexpr float kOneSheet = 0.7072f;  // cosine to the mean normal: any two then differ by less than 90°
+constexpr float kOneSheet = 0.7072f;  // cosine to the mean normal above which any two normals differ by less than 90°
 constexpr std::size_t kPointsAtOnce = 4096;
 
-/// Those of `near`, relative to the group's centre; whether some face away from others.
+/// Copies `near` relative to the group's centre; returns whether some face away from others.
 bool gather_near(const std::vector<detail::Paraboloid>& all, const std::vector<std::uint32_t>& near,
                  const detail::PointGroup& group, std::vector<detail::Paraboloid>& chosen) {
   chosen.resize(near.size());
@@ -63,7 +63,7 @@ SurfaceFeet find_feet(const Projection& projection, std::span<const Vec3f> place
         const double s = static_cast<double>(spacing[first + i]);
         FootPoint& foot = feet[i] = moved[k];
         if (!foot.defined) continue;
-        // Along the normal alone: next to edges the projection moves points along the surface without end.
+        // Moves along the normal only: next to edges the projection moves points along the surface without end.
         const double height = dot(from[i] - foot.position, foot.normal);
         from[i] -= foot.normal * height;
         foot.position = from[i];

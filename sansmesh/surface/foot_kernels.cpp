@@ -2,7 +2,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/surface/foot_kernels.cpp"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, as Highway requires.
+// Must follow foreach_target.h (Highway).
 #include <hwy/highway.h>
 
 #include "sansmesh/surface/fit_lanes-inl.h"
@@ -17,12 +17,12 @@ HWY_INLINE Offset FromFoot(const Paraboloid& f, const Lanes& p) {
   return {x, y, z, pn::MulAdd(x, x, pn::MulAdd(y, y, Times(z, z)))};
 }
 
-/// 1 − d²/R², 0 beyond.
+/// 1 − d²/R², or 0 if that is negative.
 HWY_INLINE V Nearness(const Paraboloid& f, const Offset& d) {
   return hn::Max(pn::NegMulAdd(d.square, Constant(f.inverse_support), Constant(1)), hn::Zero(Tag()));
 }
 
-/// Where the nearest of them faces.
+/// Normal of the nearest paraboloid.
 HWY_INLINE Lanes NearestNormal(std::span<const Paraboloid> near, const Lanes& p) {
   const V zero = hn::Zero(Tag());
   V most = zero;

@@ -2,7 +2,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/surface/implicit_kernels.cpp"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, as Highway requires.
+// Must follow foreach_target.h (Highway).
 #include <hwy/highway.h>
 
 #include "sansmesh/surface/fit_lanes-inl.h"
@@ -12,15 +12,15 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
-/// Squares below this are not divided by.
+/// Smallest divisor of squares.
 constexpr float kTiny = 1e-30f;
 
-/// Moments of the samples under the weights: everything that the formulas are made of.
+/// Weighted moments of the samples: the arguments of all formulas.
 template <bool kGradient>
 struct Sums {
   Num<kGradient> w, plane, square, inverse_height;
   Num3<kGradient> x, n;
-  Num<kGradient> plane_m;  // under the generating functions
+  Num<kGradient> plane_m;  // weighted by the generating functions
   Num3<kGradient> m;
   Num<kGradient> xx, xy, xz, yy, yz, zz;  // second moments about the point
 };
@@ -30,14 +30,14 @@ HWY_INLINE Num<kGradient> MeanPlane(const Sums<kGradient>& s, const Num3<kGradie
   return (Dot(p, s.n) - s.plane) / s.w;
 }
 
-/// Adamson & Alexa 2003: distance from the weighted mean of the samples along the weighted mean of their normals.
+/// adamson2003: distance from the weighted mean of the samples along the weighted mean of their normals.
 template <bool kGradient>
 HWY_INLINE Num<kGradient> Adamson(const Sums<kGradient>& s, const Num3<kGradient>& p) {
   const Num<kGradient> length = Root(Dot(s.n, s.n) + Constant(kTiny));
   return (Dot(p, s.n) - Dot(s.x, s.n) / s.w) / length;
 }
 
-/// A derivative of one of the numbers; none of those that carry none.
+/// Calls `use` with each derivative of a number; never for numbers without derivatives.
 template <class Use>
 HWY_INLINE void ForEachDerivative(const Use& use) {
   use([](const Dual& a) -> const V& { return a.x; }, [](Dual& a) -> V& { return a.x; });
@@ -45,13 +45,13 @@ HWY_INLINE void ForEachDerivative(const Use& use) {
   use([](const Dual& a) -> const V& { return a.z; }, [](Dual& a) -> V& { return a.z; });
 }
 
-/// Adamson & Alexa 2003 (tejada2008 §2): the direction n of least weighted covariance Σ w ⟨n, x_i − x⟩² / Σ w, on the
-/// side of the mean normal. Its derivative along dC is that of the eigenvector: (λ − C) dn = dC n across n.
+/// adamson2003 (tejada2008, ch. 2): the direction n of least weighted covariance Σ w ⟨n, x_i − x⟩² / Σ w, on the side
+/// of the mean normal. Its derivative along dC is that of the eigenvector: (λ − C) dn = dC n across n.
 template <bool kGradient>
 HWY_INLINE Num3<kGradient> LeastCovariance(const Sums<kGradient>& s) {
   const V zero = hn::Zero(Tag());
   const Lanes facing = Unit({s.n.x.v, s.n.y.v, s.n.z.v}, {zero, zero, Constant(1)});
-  // Lengths in widths, so that squares of squares stay in the range of floats.
+  // Lengths in widths, so that fourth powers stay in the range of floats.
   const V trace = hn::Add(s.xx.v, hn::Add(s.yy.v, s.zz.v));
   const V scale = hn::Div(Constant(1), hn::Max(trace, Constant(kTiny)));
   const auto scaled = [&](const V& a) { return Times(a, scale); };
@@ -73,7 +73,7 @@ HWY_INLINE Num3<kGradient> LeastCovariance(const Sums<kGradient>& s) {
     const Lanes ct = times(xx, xy, xz, yy, yz, zz, t), cb = times(xx, xy, xz, yy, yz, zz, b);
     const V least = Dot3(n, times(xx, xy, xz, yy, yz, zz, n));
     const V tt = hn::Sub(Dot3(t, ct), least), tb = Dot3(t, cb), bb = hn::Sub(Dot3(b, cb), least);
-    // Where two directions are equally good, the normal jumps: no derivative then.
+    // If two directions are equally good, the normal jumps and has no derivative.
     const V determinant = pn::NegMulAdd(tb, tb, Times(tt, bb));
     const auto clear = hn::Gt(determinant, Constant(1e-7f));
     const V inverse = hn::IfThenElseZero(clear, hn::Div(Constant(-1), hn::IfThenElse(clear, determinant, Constant(1))));
@@ -90,14 +90,14 @@ HWY_INLINE Num3<kGradient> LeastCovariance(const Sums<kGradient>& s) {
   return result;
 }
 
-/// Guennebaud & Gross 2007: distance from the algebraic sphere that fits positions and normals (closed form of
-/// Guennebaud, Germann & Gross 2008, β = 1).
+/// guennebaud2007: distance from the algebraic sphere that fits positions and normals (closed form of guennebaud2008, β
+/// = 1).
 template <bool kGradient>
 HWY_INLINE Num<kGradient> AlgebraicSphere(const Sums<kGradient>& s, const Num3<kGradient>& p) {
   using N = Num<kGradient>;
   const N spread = s.square - Dot(s.x, s.x) / s.w;
   const N twist = s.plane - Dot(s.x, s.n) / s.w;
-  // A single sample, or coincident ones, have no spread but what rounding leaves: a plane then.
+  // The spread of a single sample, or of coincident ones, is only rounding: the sphere becomes a plane.
   const auto flat = hn::Le(spread.v, pn::MulAdd(s.square.v, Constant(1e-5f), Constant(kTiny)));
   const N u4 = Select(flat, Fixed<kGradient>(0), twist / Select(flat, Fixed<kGradient>(1), spread) * Constant(0.5f));
   const N two = u4 + u4;
@@ -105,15 +105,15 @@ HWY_INLINE Num<kGradient> AlgebraicSphere(const Sums<kGradient>& s, const Num3<k
   const N u0 = (Dot(u, s.x) + u4 * s.square) / s.w * Constant(-1);
   const N algebraic = u0 + Dot(u, p) + u4 * Dot(p, p);
   const Num3<kGradient> g{u.x + two * p.x, u.y + two * p.y, u.z + two * p.z};
-  // The root is the same everywhere on one sphere: 2 |u4| times its radius.
+  // The root is constant on one sphere: 2 |u4| times its radius.
   const N g2 = Dot(g, g);
   N pratt = g2 - two * (algebraic + algebraic);
   pratt = Select(hn::Gt(pratt.v, Constant(kTiny)), pratt, Fixed<kGradient>(kTiny));
   return (algebraic + algebraic) / (Root(g2 + Constant(kTiny)) + Root(pratt));
 }
 
-/// Where the mean of the tangent planes says that the surface is near, the formula counts, farther out the mean itself:
-/// formulas of higher order change their signs again there.
+/// Uses the formula where the mean of the tangent planes is near zero, and farther out that mean, because formulas of
+/// higher order change their signs again there.
 template <bool kGradient>
 HWY_INLINE Num<kGradient> NearSurface(const Num<kGradient>& f, const Num<kGradient>& mean, const Sums<kGradient>& s) {
   constexpr float kFull = 0.2f, kNone = 0.6f;  // squares of the distance over the thickness of the domain
@@ -126,19 +126,19 @@ HWY_INLINE Num<kGradient> NearSurface(const Num<kGradient>& f, const Num<kGradie
   return mean + share * (f - mean);
 }
 
-/// What the samples of another sheet contribute, which SameSheet left out.
+/// Contribution of the samples of another sheet, which SameSheet excludes.
 struct OtherSheet {
   V w, plane;
-  Lanes x, n, own;  // own: positions of this sheet's samples, for where the other lies
+  Lanes x, n, own;  // own: mean position of this sheet's samples, relative to which the other sheet is located
 };
 
-/// Two sheets with the solid between them bound an intersection of half-spaces, with a gap between them a union: each
-/// alone would go on beyond the edge where they meet.
+/// Two sheets with the solid between them bound an intersection of half-spaces; with a gap between them, a union. Each
+/// sheet alone would continue beyond the edge where they meet.
 template <bool kGradient>
 HWY_INLINE Num<kGradient> Combine(const Num<kGradient>& f, const Num3<kGradient>& p, const Sums<kGradient>& s,
                                   const OtherSheet& o) {
-  constexpr float kShare = 0.03f;  // of the weights that make a sheet
-  constexpr float kApart = 0.1f;   // squared distance of two sheets over the thickness of the domain, at least
+  constexpr float kShare = 0.03f;  // least share of the weights that makes a sheet
+  constexpr float kApart = 0.1f;   // least squared distance of two sheets over the thickness of the domain
   using N = Num<kGradient>;
   const auto enough = hn::Gt(o.w, hn::Mul(s.w.v, Constant(kShare)));
   if (hn::AllFalse(Tag(), enough)) return f;
@@ -152,7 +152,7 @@ HWY_INLINE Num<kGradient> Combine(const Num<kGradient>& f, const Num3<kGradient>
                           hn::Add(toward(o.x.y, o.own.y, s.n.y.v), toward(o.x.z, o.own.z, s.n.z.v)));
   const V apart2 = hn::Mul(hn::Mul(along, along), hn::Mul(s.inverse_height.v, own));
   const auto valid = hn::And(enough, hn::Gt(apart2, hn::Mul(length2, Constant(kApart))));
-  // The other sheet's weights are taken as constant.
+  // The other sheet's weights are treated as constant.
   const N other = (p.x * o.n.x + p.y * o.n.y + p.z * o.n.z + hn::Neg(o.plane)) * share;
   const auto convex = hn::Lt(along, hn::Zero(Tag()));
   const auto larger = hn::Gt(other.v, f.v);
@@ -160,7 +160,7 @@ HWY_INLINE Num<kGradient> Combine(const Num<kGradient>& f, const Num3<kGradient>
   return Select(hn::And(valid, takes), other, f);
 }
 
-/// Laguerre polynomial of the generating function (METHODS §1.4, three variables) and its derivative.
+/// Laguerre polynomial of the generating function (mazya2001, three variables) and its derivative.
 template <int kOrder>
 HWY_INLINE void Laguerre(const V& r, V& value, V& derivative) {
   if constexpr (kOrder == 2) {
@@ -172,12 +172,12 @@ HWY_INLINE void Laguerre(const V& r, V& value, V& derivative) {
     derivative = hn::Sub(r, Constant(3.5f));
   }
 }
-/// What the polynomials add up to over a plane, relative to the Gaussians alone.
+/// Sum of the generating functions over a plane, relative to the Gaussians alone.
 constexpr float LaguerreMean(int order) { return order == 2 ? 1.0f : order == 4 ? 1.5f : 1.875f; }
 
-/// The second pass of Amenta & Kil: ½⟨n, ∇e⟩ with e the weighted mean of the squared distances along n. Of their sum,
-/// as in the source, the places where the weights fall fastest are extrema as well: at 0.8 widths from the surface, and
-/// as near as that to it where noise puts samples on either side.
+/// Second pass of amenta2004: ½⟨n, ∇e⟩ with e the weighted mean of the squared distances along n. For their sum, as in
+/// the source, points where the weights decrease fastest are extrema as well: at 0.8 widths from the surface, and as
+/// near as that to it where noise puts samples on either side.
 template <bool kGaussian, bool kGradient>
 HWY_INLINE Num<kGradient> Extremal(std::span<const Candidate> candidates, const Lanes& p, const Num3<kGradient>& point,
                                    const Sums<kGradient>& s, bool sheets, const Lanes& near) {
@@ -274,7 +274,7 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
       inside = hn::Max(inside, pn::NegMulAdd(d2, Constant(c.inverse_reach), one));
       if constexpr (kFormula == ImplicitFormula::hoppe) {
         const V far = hn::Div(d2, hn::Max(same, Constant(1e-3f)));
-        // Samples are looked at because they reach some point of the vector: not always this one.
+        // Samples are visited because they reach some point of the vector, not necessarily this one.
         const auto closer = hn::And(hn::Lt(far, nearest), hn::Gt(w.v, zero));
         nearest = hn::IfThenElse(closer, far, nearest);
         const V height = pn::MulAdd(dx, Constant(c.nx), pn::MulAdd(dy, Constant(c.ny), hn::Mul(dz, Constant(c.nz))));

@@ -1,4 +1,4 @@
-// The sums over samples behind every implicit surface: sixteen points at a time, SIMD inside.
+// Kernels of implicit surfaces: sums over samples for groups of sixteen points.
 #pragma once
 
 #include <span>
@@ -11,9 +11,9 @@ enum class ImplicitFormula { hoppe, adamson, adamson_covariance, kolluri, extrem
 
 struct ImplicitKernel {
   ImplicitFormula formula = ImplicitFormula::kolluri;
-  int order = 4;          ///< of the generating functions, 2, 4 or 6 (amls)
+  int order = 4;          ///< amls only: order of the generating functions, 2, 4 or 6
   bool sheets = false;    ///< samples that face away from those next to the point are ignored
-  bool gaussian = false;  ///< weights exp(−d²/h²) in place of the compact ones; amls has no others
+  bool gaussian = false;  ///< weights exp(−d²/h²) instead of the compact ones; amls always uses Gaussians
 };
 
 struct GroupValues {
@@ -22,12 +22,12 @@ struct GroupValues {
   alignas(64) float weight[kGroup];                                  ///< 0 where no support reaches
 };
 
-/// Values (and gradients, if asked for) at all lanes of the group. Away from the surface the value is that of the plain
-/// weighted mean of the tangent planes, whatever the formula.
+/// Values, and gradients on request, at all lanes of the group. Away from the surface the value is that of the plain
+/// weighted mean of the tangent planes, for all formulas.
 void implicit_values(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                      bool gradients, GroupValues& out);
 
-/// The normal field Σ m_i φ_i of amls as it comes, in place of the gradient: x, y, z and weight alone have a meaning.
+/// Unnormalised normal field Σ m_i φ_i of amls in place of the gradient: only x, y, z and weight are defined.
 void implicit_normals(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                       GroupValues& out);
 

@@ -17,13 +17,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// What samples at random and noise over spacing add to the width: without the former, single samples next to gaps
-/// decide, and the surface grows fins beyond edges.
+/// Increments of the width for random samples and for noise over spacing. Without the former, single samples next to
+/// gaps dominate, and the surface grows fins beyond edges.
 constexpr double kUneven = 0.45, kSpheresUneven = 0.35, kNoisy = 2;
-/// Dey & Sun's widths are this share of the feature size, and at most so many times the least width.
+/// Widths of dey2005 are this share of the feature size, and at most kMostWidth times the least width.
 constexpr double kMostWidth = 2, kFeatureShare = 0.35;
-/// Beyond the supports: the mean of the tangent planes of so many samples, as far as so many spacings from the nearest,
-/// weighted down to nearly nothing at the farthest (squared distance of weight 0 over its).
+/// Beyond the supports: the mean of the tangent planes of the nearest kBeyond samples, up to kPlanesReach spacings from
+/// the nearest, with weights that nearly vanish at the farthest (squared distance of weight 0 over that of the
+/// farthest).
 constexpr std::size_t kBeyond = 12;
 constexpr double kPlanesReach = 6, kFarthest = 1.2;
 
@@ -47,9 +48,9 @@ detail::ImplicitFormula formula_of(const ImplicitOptions& options) {
   throw ArgumentError("unknown surface method");
 }
 
-/// With noise from this on (over the spacing) leaving samples out tells nothing: neighbours of one that is off the
-/// surface are off it in the same direction, and the order that follows the noise wins. Then the noise decides: order
-/// 2, whose one iteration takes out what the mean leaves of curvature, and a width that grows with the noise.
+/// With more noise than this (over the spacing) leaving samples out is not informative: neighbours of a sample that is
+/// off the surface are off it in the same direction, and the order that follows the noise wins. Then the noise decides:
+/// order 2, whose one iteration removes the curvature error of the mean, and a width that grows with the noise.
 constexpr double kTelling = 0.1;
 constexpr double kSmoothingOfNoise = 2.2, kMostOfNoise = 5;
 
@@ -62,13 +63,13 @@ detail::IterationChoice choose_by_noise(const SurfaceSamples& samples, const Imp
   return choice;
 }
 
-/// Order, width and iterations of the approximation with the least leave-one-out error, as far as they are not given.
+/// Order, width and iterations of the approximation with the least leave-one-out error, unless given.
 detail::IterationChoice choose(const SurfaceSamples& samples, const ImplicitOptions& options,
                                detail::IterationOptions iteration) {
   if (samples.noise >= kTelling * samples.median_spacing) {
     PointSet points;
     points.positions = samples.positions;
-    if (measure_noise(points).known) return choose_by_noise(samples, options);  // else it may be shape
+    if (measure_noise(points).known) return choose_by_noise(samples, options);  // otherwise it may be shape
   }
   detail::IterationChoice best;
   for (const int order : {2, 4}) {
@@ -81,7 +82,7 @@ detail::IterationChoice choose(const SurfaceSamples& samples, const ImplicitOpti
   return best;
 }
 
-/// Kolluri's weights divide by the number of samples within h of the sample, itself included.
+/// The weights of kolluri2005 are divided by the number of samples within h of the sample, including itself.
 std::vector<float> shares_of_crowds(const SurfaceSamples& samples, const std::vector<float>& widths) {
   std::vector<float> shares(samples.size());
   parallel_for(0, samples.size(), 1024, [&](std::size_t i) {
@@ -176,13 +177,11 @@ void ImplicitOptions::validate() const {
   if (iterations) check_range("iterations", *iterations, 0, 100);
   if (reach) check_range("reach", *reach, 0.5, 10);
   if (epsilon) check_range("epsilon", *epsilon, 0.05, 20);
-  check(weights == SurfaceWeights::compact || method != ImplicitMethod::hoppe,
-        "`weights` mean nothing to the surface hoppe");
-  check(!epsilon || method == ImplicitMethod::amls, "`epsilon` belongs to the surface amls");
+  check(weights == SurfaceWeights::compact || method != ImplicitMethod::hoppe, "the surface hoppe has no `weights`");
+  check(!epsilon || method == ImplicitMethod::amls, "only the surface amls has `epsilon`");
   check(normal != Normal::covariance || method == ImplicitMethod::adamson,
-        "`normal` = covariance belongs to the surface adamson");
-  check(normal != Normal::iterated || method == ImplicitMethod::amls,
-        "`normal` = iterated belongs to the surface amls");
+        "only the surface adamson has `normal` = covariance");
+  check(normal != Normal::iterated || method == ImplicitMethod::amls, "only the surface amls has `normal` = iterated");
 }
 
 double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {
@@ -203,14 +202,14 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
   if (options.method == ImplicitMethod::hoppe) move_noisy_to_means(samples, smoothing);
   detail::IterationOptions iteration{options.order.value_or(4), options.iterations.value_or(0), options.separate_sheets,
                                      gaussian};
-  // ε d²/h² is a width of h/√ε.
+  // ε d²/h² is equivalent to a width of h/√ε.
   if (options.epsilon) {
     const double narrower = 1 / std::sqrt(*options.epsilon);
     chosen.smoothing = smoothing * narrower;
     if (options.bandwidth) chosen.bandwidth = *options.bandwidth * narrower;
     check_argument(
         options.bandwidth || (*chosen.smoothing >= 0.3 && *chosen.smoothing <= 20),
-        "`smoothing` over the square root of `epsilon`, the spacings that weights are wide, must be from 0.3 to 20");
+        "`smoothing` over the square root of `epsilon`, the width of the weights in spacings, must be in 0.3..20");
   }
   if (chosen.bandwidth) detail::check_width(samples, *chosen.bandwidth);
   if (amls && !chosen.bandwidth && (!chosen.smoothing || !chosen.iterations || !chosen.order)) {
@@ -280,7 +279,7 @@ void ImplicitSurface::evaluate_in_domain(std::span<const Vec3> x, std::span<doub
 
 void ImplicitSurface::iterated_normals(std::span<const Vec3> x, std::span<Vec3> normals) const {
   if (state_->kernel.formula != detail::ImplicitFormula::amls)
-    throw ArgumentError("`normal` = iterated belongs to the surface amls");
+    throw ArgumentError("only the surface amls has `normal` = iterated");
   if (normals.size() != x.size()) throw ArgumentError("iterated_normals: as many normals as points are needed");
   state_->candidates.for_each_group(
       x, [&](const detail::PointGroup& group, std::span<const detail::Candidate> candidates, bool mixed) {

@@ -1,5 +1,5 @@
-// Surfaces as zero sets of weighted means of the samples: nothing is fitted beforehand but a few numbers per sample,
-// and nothing is solved (METHODS §2.1, §2.3).
+// Surfaces as zero sets of weighted means of the samples: the precomputation is a few numbers per sample, and no system
+// is solved.
 #pragma once
 
 #include <memory>
@@ -17,56 +17,56 @@
 namespace sansmesh::inline v1 {
 
 enum class ImplicitMethod {
-  hoppe,     ///< tangent plane of the nearest sample (Hoppe et al. 1992)
-  adamson,   ///< distance from the mean of the samples along the mean normal (Adamson & Alexa 2003)
-  kolluri,   ///< mean of the tangent planes, samples weighted by the area they stand for (Kolluri 2005)
-  dey,       ///< the same with supports that follow the feature size (Dey & Sun 2005)
-  extremal,  ///< extremum along the normal of the energy of the distances (Amenta & Kil 2004)
-  apss,      ///< algebraic sphere fitted to the samples and their normals (Guennebaud & Gross 2007)
-  amls       ///< iterated approximate moving least squares (tejada2008 §4.3.1)
+  hoppe,     ///< tangent plane of the nearest sample (hoppe1992)
+  adamson,   ///< distance from the mean of the samples along the mean normal (adamson2003)
+  kolluri,   ///< mean of the tangent planes, samples weighted by their area (kolluri2005)
+  dey,       ///< the same with supports that follow the feature size (dey2005)
+  extremal,  ///< extremum along the normal of the energy of the distances (amenta2004)
+  apss,      ///< algebraic sphere fitted to the samples and their normals (guennebaud2007)
+  amls       ///< iterated approximate moving least squares (tejada2008, 4.3.1)
 };
 
-/// In the order of the enumerators.
+/// Names in the order of the enumerators.
 inline constexpr std::string_view kImplicitMethods[] = {"hoppe",    "adamson", "kolluri", "dey",
                                                         "extremal", "apss",    "amls"};
-/// Throws ArgumentError for a name that is none of them.
+/// Throws ArgumentError for an unknown name.
 ImplicitMethod implicit_method(std::string_view name);
 
 struct ImplicitOptions {
   using Normal = SurfaceNormal;
   ImplicitMethod method = ImplicitMethod::apss;
-  /// Width h of the weights, exp(−d²/h²) or the compact (1 − d²/(2h)²)⁴ that resembles it, as a multiple of the local
-  /// spacing of the samples, 0.5..20; default: from the noise.
+  /// Width h of the weights, exp(−d²/h²) or the similar compact (1 − d²/(2h)²)⁴, as a multiple of the local spacing of
+  /// the samples, 0.5..20; default: from the noise.
   std::optional<double> smoothing = {};
-  /// Width of the weights as one length for the whole cloud, in place of `smoothing`.
+  /// Width of the weights as one length for the whole cloud, replaces `smoothing`.
   std::optional<double> bandwidth = {};
   std::optional<int> order = {};  ///< amls: order of the approximation, 2, 4 or 6; default: 2 or 4, by cross validation
   std::optional<int> iterations = {};  ///< amls: 0..100; default: by leave-one-out cross validation, with the width
-  /// amls: shape parameter ε of the generating functions, r = ε d²/h², 0.05..20; default: 1, and h by cross validation.
-  /// Where it is given, h is by itself that of the other methods.
+  /// amls: shape parameter ε of the generating functions, r = ε d²/h², 0.05..20; default: 1, with h by cross
+  /// validation. If it is given, the default of h is that of the other methods.
   std::optional<double> epsilon = {};
-  SurfaceWeights weights = SurfaceWeights::compact;  ///< not of hoppe; amls is always Gaussian: one h for all
+  SurfaceWeights weights = SurfaceWeights::compact;  ///< not used by hoppe; amls is always Gaussian with one h
   SurfaceNormal normal = SurfaceNormal::standard;
   bool separate_sheets = true;  ///< samples that face away from those nearby are ignored
-  /// Radius of the balls that the surface is defined in, as a multiple of the local spacing, 0.5..10; default:
+  /// Radius of the balls of the domain of definition, as a multiple of the local spacing, 0.5..10; default:
   /// `default_reach`.
   std::optional<double> reach = {};
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// What was chosen for the data.
+/// Parameters derived from the data.
 struct ImplicitReport {
-  double spacing = 0, noise = 0;  ///< of the samples (length)
+  double spacing = 0, noise = 0;  ///< spacing and noise of the samples (length)
   double smoothing = 0;           ///< median width over median spacing
   int order = 0, iterations = 0;  ///< amls
 };
 
-/// Defined in balls around the samples: there a change of sign is the surface.
-/// Within about a third of the weights' width from the surface the value is the method's own; farther out it goes over
-/// to the mean of the tangent planes, as far as supports reach; beyond, it is the mean of those of the nearest samples,
-/// and from six spacings on the signed distance to the nearest one. Gradients are exact derivatives but for the choice
-/// of sheet, whose weights are taken as constant, and beyond the supports, where all weights are.
+/// Defined in balls around the samples; the surface is the change of sign there.
+/// Within about a third of the weights' width from the surface the value is that of the method. Farther out it blends
+/// into the mean of the tangent planes within the supports; beyond them it is the mean of those of the nearest samples,
+/// and from six spacings on the signed distance to the nearest one. Gradients are exact derivatives, except that the
+/// weights of the choice of sheet, and beyond the supports all weights, are treated as constant.
 class ImplicitSurface : public ScalarField {
  public:
   ~ImplicitSurface() override;
@@ -83,12 +83,12 @@ class ImplicitSurface : public ScalarField {
   const SurfaceSamples& samples() const;
   const ImplicitReport& report() const;
 
-  /// amls: unit vectors along Nᵏ(x) = Σ n_i φ_i(x), iterated k times as the values are (tejada2008 §4.3.1): with
-  /// m = Σ_k (I − A)^k n it is Σ m_i φ_i(x). Where no support reaches, normals stay as they are. Sizes must agree.
-  /// Throws ArgumentError for other methods.
+  /// amls: unit vectors along Nᵏ(x) = Σ n_i φ_i(x), iterated k times like the values (tejada2008, 4.3.1): with m = Σ_k
+  /// (I − A)^k n it is Σ m_i φ_i(x). Normals outside all supports are unchanged. Sizes must agree. Throws ArgumentError
+  /// for other methods.
   void iterated_normals(std::span<const Vec3> x, std::span<Vec3> normals) const;
 
-  struct State;  ///< internal
+  struct State;
 
  private:
   friend ImplicitSurface make_implicit_surface(SurfaceSamples, const ImplicitOptions&, Progress&);
@@ -96,7 +96,7 @@ class ImplicitSurface : public ScalarField {
   std::unique_ptr<State> state_;
 };
 
-/// The iterated normals of a surface of amls.
+/// Iterated normals of an amls surface.
 class IteratedNormals : public NormalField {
  public:
   explicit IteratedNormals(std::shared_ptr<const ImplicitSurface> surface) : surface_(std::move(surface)) {}
@@ -108,11 +108,11 @@ class IteratedNormals : public NormalField {
   std::shared_ptr<const ImplicitSurface> surface_;
 };
 
-/// Throws ArgumentError for bad options.
+/// Throws ArgumentError for invalid options.
 ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOptions& options, Progress& progress);
 
-/// Width of the weights over the spacing that suits the samples: just enough to connect them where they lie evenly
-/// and without noise, wider otherwise.
+/// Recommended width of the weights over the spacing: for even samples without noise just wide enough to connect them,
+/// otherwise wider.
 double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method = ImplicitMethod::apss);
 
 }  // namespace sansmesh::inline v1

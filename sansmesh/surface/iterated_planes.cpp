@@ -14,7 +14,7 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kEnd = 12;  // of the Gaussians' exponent, as in the kernels
+constexpr double kEnd = 12;  // largest exponent of the Gaussians, as in the kernels
 
 double laguerre(int order, double r) {
   if (order == 2) return 1;
@@ -23,7 +23,7 @@ double laguerre(int order, double r) {
 }
 double laguerre_mean(int order) { return order == 2 ? 1 : order == 4 ? 1.5 : 1.875; }
 
-/// Rows of A: the generating functions at a sample, over the sum of the Gaussians there.
+/// Rows of A: the generating functions at a sample, divided by the sum of the Gaussians there.
 class Rows {
  public:
   struct Entry {
@@ -38,9 +38,9 @@ class Rows {
     tree_ = BallTree(samples.positions, radii);
   }
 
-  /// The generating functions at a sample.
+  /// Generating functions at a sample.
   void row(std::uint32_t i, std::vector<Entry>& out) const { row(samples_.positions[i], samples_.normals[i], out); }
-  /// The same at any point x where the surface looks into direction n.
+  /// The same at any point x of the surface with normal n.
   void row(const Vec3f& x, const Vec3f& n, std::vector<Entry>& out) const {
     thread_local std::vector<std::uint32_t> near;
     Box3f box;
@@ -53,7 +53,7 @@ class Rows {
       const double width = static_cast<double>(widths_[j]);
       const double r = static_cast<double>(squared_norm(d)) / (width * width);
       if (r >= kEnd) continue;
-      // What a sample stands for, and whether it belongs to the same sheet: as in the kernels.
+      // Area of the sample and selection of its sheet, as in the kernels.
       const double s = options_.alike ? 1 : static_cast<double>(samples_.spacing[j]);
       double weight = std::exp(-r) * s * s;
       if (options_.separate_sheets)
@@ -73,16 +73,16 @@ class Rows {
   BallTree tree_;
 };
 
-constexpr std::size_t kLeftOut = 100;  // samples left out in turn
-constexpr double kMostEntries = 5e8;   // of the matrix: 4 GB
+constexpr std::size_t kLeftOut = 100;  // number of samples left out in turn
+constexpr double kMostEntries = 5e8;   // largest number of entries of the matrix: 4 GB
 constexpr int kMostIterations = 10;
-constexpr float kForget = 2e-4f;   // entries of the powers' rows that no longer matter
-constexpr double kWorthIt = 0.99;  // further iterations must lower the error by more than this
+constexpr float kForget = 2e-4f;   // smaller entries of the powers' rows are dropped
+constexpr double kWorthIt = 0.99;  // more iterations must reduce the error to below this share
 
-/// Where noise is large against the width, a sample off the surface has neighbours that are off it in the same
-/// direction: the surface seems to follow the noise. So the others are evaluated at its foot on a mean plane.
-constexpr double kFootWidth = 2.5;   // of the weights of the mean, over the spacing
-constexpr double kFootNoise = 0.05;  // over the spacing: without noise the sample itself is a better place
+/// If noise is large against the width, the neighbours of a sample off the surface are off it in the same direction:
+/// the surface seems to follow the noise. Therefore the others are evaluated at the sample's foot on a mean plane.
+constexpr double kFootWidth = 2.5;   // width of the weights of the mean, over the spacing
+constexpr double kFootNoise = 0.05;  // over the spacing: with less noise the sample itself is used
 
 Vec3f foot_of(const SurfaceSamples& s, std::uint32_t i) {
   const Vec3f x = s.positions[i];
@@ -119,11 +119,11 @@ class LeaveOneOut {
       double sum = 0, weights = 0;
       for (const auto& [j, value] : v) total[j] += value;
       for (const auto& [j, value] : total) {
-        if (j == place) continue;  // left out: the others make up for its weight
+        if (j == place) continue;  // left out: the others replace its weight
         weights += value;
         sum += value * dot(Vec3(samples_.positions[place] - samples_.positions[j]), Vec3(samples_.normals[j]));
       }
-      // Where the others do not reach, nothing can be said.
+      // Undefined where the others do not reach.
       result[static_cast<std::size_t>(n)] = weights > 0.05 ? sum / weights : std::numeric_limits<double>::quiet_NaN();
       next = v;
       for (const auto& [l, value] : v)
@@ -146,7 +146,7 @@ class LeaveOneOut {
   std::unordered_map<std::uint32_t, std::vector<Rows::Entry>> rows_of_;
 };
 
-/// Root mean square of all but the largest tenth.
+/// Root mean square without the largest tenth.
 double robust_error(std::vector<double> squares) {
   std::erase_if(squares, [](double v) { return !std::isfinite(v); });
   if (squares.empty()) return std::numeric_limits<double>::infinity();
@@ -178,7 +178,7 @@ IteratedPlanes iterate_planes(const SurfaceSamples& samples, const std::vector<f
     throw DataError("the weights are so wide that the matrix of the iteration would need " +
                     std::to_string(static_cast<int>(entries * sizeof(Rows::Entry) / 1e9)) +
                     " GB: choose a smaller width or no iterations");
-  // The matrix, in blocks of rows that are made in parallel and keep their memory.
+  // The matrix in blocks of rows, which are built in parallel and keep their memory.
   constexpr std::size_t kBlock = 1024;
   struct Block {
     std::vector<std::uint32_t> first;
@@ -232,7 +232,7 @@ IterationChoice choose_iterations(const SurfaceSamples& samples, const Iteration
                                   int iterations) {
   const bool clean = samples.noise < kFootNoise * samples.median_spacing;
   std::vector<double> candidates{1.25, 1.6, 2, 2.5, 3.2};
-  // Leaving single samples out does not show what happens in the gaps between samples at random.
+  // Leaving single samples out does not reveal errors in the gaps between random samples.
   if (clean)
     candidates = unevenness(samples) < 0.5 ? std::vector<double>{0.8, 1, 1.25, 1.6} : std::vector<double>{1.25, 1.6, 2};
   if (smoothing > 0) candidates = {smoothing};

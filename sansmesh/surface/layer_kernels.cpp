@@ -2,7 +2,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/surface/layer_kernels.cpp"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, as Highway requires.
+// Must follow foreach_target.h (Highway).
 #include <hwy/highway.h>
 
 #include "sansmesh/surface/fit_lanes-inl.h"
@@ -12,23 +12,23 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
-/// Rounds of direction and offset in turns: the predictor's cost a few products each, the corrector's a sum over the
-/// samples.
+/// Rounds of alternating direction and offset. A round of the predictor costs a few products, one of the corrector a
+/// sum over the samples.
 constexpr int kAlternations = 12, kCorrections = 3;
-/// Evaluations of the slope along the normal, and how far along the search goes, over the radius of the supports.
+/// Evaluations of the slope along the normal, and length of the search over the radius of the supports.
 constexpr int kSearches = 6;
 constexpr float kSearched = 0.25f;
 
-/// What the samples around a point tell, all with their own weights alone: no distance counts but that they are there.
+/// Moments of the samples around a point, weighted by the samples' own weights alone; distance only selects them.
 struct Moments {
   V weight, inside;
   Lanes first;               // Σ ω (x_i − r)
   Lanes outward;             // Σ ω n_i
   V xx, xy, xz, yy, yz, zz;  // Σ ω (x_i − r)(x_i − r)ᵀ
-  V width2;                  // of the supports: mean h²
+  V width2;                  // mean h² of the supports
 };
 
-/// Weight of a sample whose support holds the point.
+/// Weight of a sample whose support contains the point.
 HWY_INLINE V Present(const Candidate& c, const Offset& o, bool sheets, const Lanes& near) {
   const auto there = hn::Lt(Times(o.square, Constant(c.inverse_support)), Constant(1));
   const V w = hn::IfThenElseZero(there, Constant(c.weight));
@@ -68,8 +68,8 @@ HWY_INLINE Lanes LeastAxisAbout(const Moments& m, const Lanes& q, const Lanes& s
                    start);
 }
 
-/// The plane of least Σ ω ⟨n, x_i − q⟩² over n and q. As the source writes it: n for q, then q moved along n, in
-/// turns. At once: the minimum is known, it passes through the mean.
+/// Plane of least Σ ω ⟨n, x_i − q⟩² over n and q. Alternating (tejada2008): n for q, then q moved along n. Directly:
+/// the minimum is known, it passes through the mean.
 HWY_INLINE Plane PredictedPlane(const Moments& m, bool alternating) {
   const V zero = hn::Zero(Tag());
   const V inverse = hn::Div(Constant(1), hn::Max(m.weight, Constant(kLeast)));
@@ -95,7 +95,7 @@ HWY_INLINE void BivariateFoot(std::span<const Candidate> candidates, const Lanes
   const V zero = hn::Zero(Tag()), one = Constant(1);
   Lanes t{zero, zero, zero}, b = t;
   TangentFrame(plane.normal, t, b);
-  const V unit = hn::Div(one, hn::Sqrt(hn::Max(plane.width2, Constant(kLeast))));  // lengths in h
+  const V unit = hn::Div(one, hn::Sqrt(hn::Max(plane.width2, Constant(kLeast))));  // unit of length: h
   const ScaledFrame frame = Scaled(t, b, plane.normal, unit);
   V a[10], f[4];
   for (V& v : a) v = zero;
@@ -120,7 +120,7 @@ HWY_INLINE void BivariateFoot(std::span<const Candidate> candidates, const Lanes
             Times(f[2], two), inside, at, out);
 }
 
-/// Half the derivative of Σ ω θ(‖x_i − x − t n‖) ⟨n, x_i − x − t n⟩² by t.
+/// Half the derivative of Σ ω θ(‖x_i − x − t n‖) ⟨n, x_i − x − t n⟩² with respect to t.
 HWY_INLINE V SlopeAlong(std::span<const Candidate> candidates, const Lanes& x, const Lanes& n, const V& t, bool sheets,
                         const Lanes& near) {
   const Lanes q = Along(x, n, t);
@@ -130,7 +130,7 @@ HWY_INLINE V SlopeAlong(std::span<const Candidate> candidates, const Lanes& x, c
     V w;
     if (!WeightAt(c, o, sheets, near, w)) continue;
     const V z = Dot3({o.x, o.y, o.z}, n);
-    // θ = s⁴ with s = 1 − d²/R²: its own derivative by t is 8 s³ z / R².
+    // θ = s⁴ with s = 1 − d²/R²: its derivative with respect to t is 8 s³ z / R².
     const V s = hn::Max(pn::NegMulAdd(o.square, Constant(c.inverse_support), Constant(1)), Constant(1e-6f));
     const V growth = hn::Div(Times(Times(z, z), Constant(4 * c.inverse_support)), s);
     sum = pn::MulAdd(Times(w, z), hn::Sub(growth, Constant(1)), sum);
@@ -138,8 +138,8 @@ HWY_INLINE V SlopeAlong(std::span<const Candidate> candidates, const Lanes& x, c
   return sum;
 }
 
-/// The place along the normal where that derivative vanishes: between two of opposite signs the secant, never twice
-/// the same end (Illinois). Where there are no such two, the place of the weighted mean.
+/// Point along the normal where that derivative vanishes, by the secant method that never keeps the same end twice
+/// (Illinois). Without a change of sign, the point of the weighted mean.
 HWY_INLINE V SearchAlong(std::span<const Candidate> candidates, const Lanes& x, const Plane& plane, bool sheets,
                          const Lanes& near) {
   const V reach = Times(hn::Sqrt(plane.width2), Constant(2 * kSearched));
@@ -151,7 +151,7 @@ HWY_INLINE V SearchAlong(std::span<const Candidate> candidates, const Lanes& x, 
   for (int k = 0; k < kSearches; ++k) {
     const V slope = SlopeAlong(candidates, x, plane.normal, t, sheets, near);
     const auto beyond = hn::Gt(slope, hn::Zero(Tag()));
-    // The end that stays counts half: the next secant comes to lie on its side.
+    // The value at the kept end is halved, which moves the next secant to its side.
     at_low = hn::IfThenElse(beyond, Times(at_low, Constant(k > 0 ? 0.5f : 1.0f)), slope);
     at_high = hn::IfThenElse(beyond, slope, Times(at_high, Constant(k > 0 ? 0.5f : 1.0f)));
     low = hn::IfThenElse(beyond, low, t), high = hn::IfThenElse(beyond, t, high);
@@ -172,7 +172,7 @@ void ProjectOntoLayer(const LayerKernel& kernel, std::span<const Candidate> cand
     Lanes near{zero, zero, zero};
     if (kernel.sheets) near = NearNormals<CompactWeight<false>>(candidates, r);
     Lanes x = r;
-    V inside = Constant(1);  // what it is at most
+    V inside = Constant(1);  // upper bound
     if (kernel.predictor) {
       const Moments m = Gather(candidates, r, kernel.sheets, near);
       inside = m.inside;
@@ -187,7 +187,7 @@ void ProjectOntoLayer(const LayerKernel& kernel, std::span<const Candidate> cand
     }
     V reached = inside;
     Plane plane = FitPlane<true>(candidates, x, kernel.sheets, near, &reached);
-    inside = hn::Min(inside, reached);  // both the point and what the predictor makes of it
+    inside = hn::Min(inside, reached);  // inside for both the point and its prediction
     Lanes q = Along(x, plane.normal, plane.distance);
     for (int k = 1; k < kCorrections; ++k) {
       plane = PlaneBelow(candidates, q, x, kernel.sheets, near);

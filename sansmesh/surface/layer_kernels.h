@@ -1,4 +1,4 @@
-// One application of the projection of METHODS §5.1 to a group of points: sixteen at a time, SIMD inside.
+// Kernel of the layer projection (tejada2008, 5.2), one step for groups of sixteen points.
 #pragma once
 
 #include <span>
@@ -8,9 +8,9 @@
 namespace sansmesh::inline v1::detail {
 
 struct LayerKernel {
-  bool predictor = true;     ///< plane and polynomial of all samples around, whatever their distance
-  bool corrector = true;     ///< the same about the place found, by distance
-  bool alternating = false;  ///< predictor: direction and offset in turns, not at once
+  bool predictor = true;     ///< plane and polynomial of all samples around, regardless of distance
+  bool corrector = true;     ///< the same about the predicted point, weighted by distance
+  bool alternating = false;  ///< predictor: direction and offset alternately instead of jointly
   bool line_search = false;  ///< corrector: the offset by minimisation along the normal
   bool sheets = true;        ///< samples that face away from those next to the point are ignored
 };

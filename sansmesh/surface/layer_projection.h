@@ -1,5 +1,5 @@
-// The surface in the middle of a layer of weighted samples, such as voxels whose values are near that of an isosurface
-// (METHODS §5.1).
+// Projection onto the middle of a layer of weighted samples, such as voxels with values near an isovalue (tejada2008,
+// 5.2).
 #pragma once
 
 #include <cstddef>
@@ -14,32 +14,32 @@ namespace sansmesh::inline v1 {
 /// Arrays of equal length; neighbours in space should be neighbours in the arrays (KdTree::order).
 struct LayerSamples {
   std::vector<Vec3f> positions;
-  std::vector<Vec3f> normals;  ///< unit: which side is out
-  std::vector<float> weights;  ///< > 0: how near the surface the sample is said to be, times what it stands for
-  std::vector<float> spacing;  ///< distance to the samples around (length, > 0)
+  std::vector<Vec3f> normals;  ///< unit outward normals
+  std::vector<float> weights;  ///< > 0: closeness to the surface times the volume or area of the sample
+  std::vector<float> spacing;  ///< distance to the neighbouring samples (length, > 0)
   std::vector<float> reach;    ///< radius of its ball of the domain (length, >= 0; 0: none)
 };
 
 struct LayerOptions {
   double smoothing = 2;  ///< h of the weights over the spacing, 0.5..20
-  /// Which of the two run; at least one. The predictor finds the layer from farther away, the corrector the surface.
+  /// Steps to run; at least one. The predictor finds the layer from farther away, the corrector the surface.
   bool predictor = true, corrector = true;
-  /// Predictor: direction and offset in turns as the source has it, in place of the minimum that they lead to.
+  /// Predictor: alternate direction and offset as in tejada2008, instead of computing their common minimum directly.
   bool alternating = false;
-  /// Corrector: the offset minimises the sum along the normal as in the source, in place of a fixed point of means.
+  /// Corrector: the offset minimises the sum along the normal as in tejada2008, instead of a fixed point of means.
   bool line_search = false;
   bool separate_sheets = true;  ///< samples that face away from those nearby are ignored
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// One application is one step of the predictor and one of the corrector. With weights ω_i, all samples whose supports
-/// (radius 2h) hold the point r count in the predictor: a plane of least Σ ω_i ⟨n, x_i − q⟩², then over it the
-/// polynomial g = Aξ² + Bη² + Cξη + D, r's foot on it. The corrector does the same about that foot with weights ω_i
-/// (1 − d²/(2h)²)⁴, which resemble exp(−d²/h²).
+/// One application is one step of the predictor and one of the corrector. The predictor uses all samples with supports
+/// (radius 2h) around the point r, with weights ω_i: a plane that minimises Σ ω_i ⟨n, x_i − q⟩², then over it the
+/// polynomial g = Aξ² + Bη² + Cξη + D, and the foot of r on it. The corrector repeats this about that foot with weights
+/// ω_i (1 − d²/(2h)²)⁴, which approximate exp(−d²/h²).
 class LayerProjection : public Projection {
  public:
-  /// Throws ArgumentError for bad options, DataError where there is no sample with a ball.
+  /// Throws ArgumentError for invalid options, DataError if no sample has a ball.
   LayerProjection(const LayerSamples& samples, const LayerOptions& options);
   ~LayerProjection() override;
   LayerProjection(LayerProjection&&) noexcept;
@@ -47,7 +47,7 @@ class LayerProjection : public Projection {
 
   Box3 bounds() const override;
   void project(std::span<const Vec3> x, std::span<FootPoint> feet) const override;
-  /// Those of the samples that have one.
+  /// Balls of the samples with reach > 0.
   BallUnion balls() const;
 
  private:

@@ -7,22 +7,22 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kGaussianReach = 12;  // of the exponent, as in the kernels
+constexpr double kGaussianReach = 12;  // largest exponent, as in the kernels
 constexpr int kMostSteps = 200;
-constexpr double kLongestStep = 0.3;  // of the width, or of a radian
+constexpr double kLongestStep = 0.3;  // in widths, or in radians
 constexpr double kFlat = 1e-10;       // derivatives over the sum of the weights, lengths in widths
-constexpr double kRounding = 1e-14;   // of energies
-constexpr double kSufficient = 1e-4;  // share of the descent that the slope promises (Armijo)
+constexpr double kRounding = 1e-14;   // rounding error of energies
+constexpr double kSufficient = 1e-4;  // least share of the descent that the slope predicts (Armijo)
 
 using Three = std::array<double, 3>;
 
 double inner(const Three& a, const Three& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-/// The energy over (a, b, t/h) with n = (n₀ + a e + b f) / ‖·‖: a chart of the hemisphere.
+/// Energy over (a, b, t/h) with n = (n₀ + a e + b f) / ‖·‖: a chart of the hemisphere.
 struct Chart {
   std::span<const WeighedSample> samples;
   Vec3 r, n, e, f;
-  double width, scale;  // scale: makes the energy one of lengths in widths and weights that sum to about 1
+  double width, scale;  // scale: makes lengths widths and the sum of the weights about 1
 
   LevinPlane plane(const Three& p) const { return {normalized(n + e * p[0] + f * p[1]), p[2] * width, 0}; }
 
@@ -61,7 +61,7 @@ double levin_energy(std::span<const WeighedSample> samples, const Vec3& r, const
     double slope = 0;
     const double w = s.weight(squared_norm(d), &slope);
     energy += w * z * z;
-    // Of ⟨n, d⟩ by n along the sphere: d; of ‖d‖²: −2 t d. By t: −1 and −2 z.
+    // Derivative of ⟨n, d⟩ with respect to n along the sphere: d; of ‖d‖²: −2 t d. With respect to t: −1 and −2 z.
     normal += d * (2 * z * w - 2 * plane.offset * z * z * slope);
     offset -= 2 * z * w + 2 * z * z * z * slope;
   }
@@ -82,14 +82,14 @@ LevinPlane least_levin_plane(std::span<const WeighedSample> samples, const Vec3&
 
   Three p{0, 0, start.offset / width}, gradient{};
   double energy = chart(p, gradient);
-  // The inverse of the second derivatives, as the steps so far tell; about ½ for weights that sum to 1.
+  // Estimated inverse of the second derivatives; initially ½, the value for weights that sum to 1.
   std::array<Three, 3> inverse{Three{0.5, 0, 0}, Three{0, 0.5, 0}, Three{0, 0, 0.5}};
   int steps = 0;
   for (; steps < kMostSteps && inner(gradient, gradient) > kFlat * kFlat; ++steps) {
     Three step{};
     for (std::size_t i = 0; i < 3; ++i) step[i] = -inner(inverse[i], gradient);
     double slope = inner(step, gradient);
-    if (!(slope < 0)) {  // rounding has spoilt the model: begin again with the steepest descent
+    if (!(slope < 0)) {  // rounding has spoilt the model: restart with the steepest descent
       inverse = {Three{0.5, 0, 0}, Three{0, 0.5, 0}, Three{0, 0, 0.5}};
       for (std::size_t i = 0; i < 3; ++i) step[i] = -0.5 * gradient[i];
       slope = inner(step, gradient);
@@ -102,7 +102,7 @@ LevinPlane least_levin_plane(std::span<const WeighedSample> samples, const Vec3&
     for (int halving = 0; halving < 20 && !lower; ++halving, share *= 0.5) {
       for (std::size_t i = 0; i < 3; ++i) next[i] = p[i] + share * step[i];
       next_energy = chart(next, next_gradient);
-      // Where energies no longer tell, the derivatives do.
+      // Where energies are equal to rounding, the derivatives decide.
       const bool level =
           next_energy <= energy * (1 + kRounding) && inner(next_gradient, next_gradient) < inner(gradient, gradient);
       lower = level || next_energy <= energy + kSufficient * share * slope;

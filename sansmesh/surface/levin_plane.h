@@ -1,4 +1,4 @@
-// Levin's plane by the minimisation that defines it.
+// Levin's reference plane by its defining minimisation.
 #pragma once
 
 #include <span>
@@ -7,30 +7,31 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// A sample in reach of a point, in double precision.
+/// A sample within reach of a point, in double precision.
 struct WeighedSample {
   Vec3 x, n;
-  double factor = 1;         ///< what it counts for, besides its distance
+  double factor = 1;         ///< constant factor of the weight
   double inverse_width = 1;  ///< compact: 1 / (2h)²; Gaussian: 1 / h²
   bool gaussian = false;
 
-  /// Its weight at this squared distance, and the derivative of that by it.
+  /// Weight at this squared distance, and its derivative with respect to that.
   double weight(double square, double* slope = nullptr) const;
 };
 
 struct LevinPlane {
   Vec3 normal;        ///< unit
   double offset = 0;  ///< t: the plane passes through r + t · normal
-  int steps = 0;      ///< of the minimisation
+  int steps = 0;      ///< steps of the minimisation
 };
 
-/// Σ ⟨n, x_i − r − t n⟩² w_i(‖x_i − r − t n‖) and its derivatives by t and, across n, by n (Levin 2003; tejada2008 §2).
+/// Σ ⟨n, x_i − r − t n⟩² w_i(‖x_i − r − t n‖) and its derivatives with respect to t and, tangentially, to n (levin2003;
+/// tejada2008, ch. 2).
 double levin_energy(std::span<const WeighedSample> samples, const Vec3& r, const LevinPlane& plane, Vec3* by_normal,
                     double* by_offset);
 
-/// The local minimum of levin_energy over n and t that descent from `start` leads to (BFGS with a line search, over the
-/// hemisphere around start.normal), until the derivatives vanish to rounding or no step lowers it. `width`: length of
-/// the weights. No step is longer than a share of it: far from all samples the sum vanishes, too.
+/// Local minimum of levin_energy over n and t by descent from `start` (BFGS with a line search, over the hemisphere
+/// around start.normal), until the derivatives vanish to rounding or no step lowers it. `width`: length of the weights,
+/// which limits the steps, because the sum also vanishes far from all samples.
 LevinPlane least_levin_plane(std::span<const WeighedSample> samples, const Vec3& r, const LevinPlane& start,
                              double width);
 

@@ -22,29 +22,30 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kReachOfTheta = 0.65;  ///< θ(0.65 h) = 0.001: beyond, nothing counts
-constexpr double kMargin = 0.15;  ///< lists of neighbours reach this many h farther, and serve until points moved half
-/// Distances are rounded off below this many h: a point next to a sample would stay there, and where there are more
-/// points than samples they would gather on those.
+constexpr double kReachOfTheta = 0.65;  ///< θ(0.65 h) = 0.001: radius of the neighbourhoods over h
+constexpr double kMargin =
+    0.15;  ///< extra radius of the lists of neighbours over h; lists stay valid until points have moved half of it
+/// Distances are rounded off below this many h. Otherwise a point next to a sample would stay there, and if there are
+/// more points than samples they would gather at those.
 constexpr double kRound = 0.15;
-constexpr double kStepAtRest = 0.003;  ///< root mean square step, in spacings of the result, at which all is done
+constexpr double kStepAtRest = 0.003;  ///< root mean square step, in spacings of the result, that ends the iteration
 constexpr std::size_t kGrain = 512;
 constexpr std::size_t kAreaNeighbours = 12;
-/// A sample that seems to stand for more than this many times the area that those around it do is off the surface.
+/// A sample whose area exceeds that of its neighbours by this factor is off the surface.
 constexpr float kMostArea = 2;
 constexpr std::size_t kTableSize = 2048;
-/// A heap: more samples than `kHeap` in a cube of this many h. Ordinary clouds have none.
+/// A heap has more than `kHeap` samples in a cube of this many h. Ordinary clouds have none.
 constexpr double kHeapSize = 1.0 / 1024;
 constexpr std::size_t kHeap = kAreaNeighbours + 1;
-constexpr std::size_t kMostListed = std::size_t{1} << 26;  ///< neighbours in lists (256 MiB); more are looked up
+constexpr std::size_t kMostListed = std::size_t{1} << 26;  ///< neighbours in lists (256 MiB); beyond, they are searched
 
 /// Uniform in (0, 1).
 double uniform(std::uint64_t seed, std::uint64_t i) {
   return (static_cast<double>(scrambled(scrambled(seed) ^ i) >> 11) + 0.5) * 0x1p-53;
 }
 
-/// Neighbours of each of many points within a radius: one after another in one array, or looked up where those are
-/// more than memory should hold.
+/// Neighbours of each of many points within a radius: stored in one array, or searched on demand if they exceed the
+/// memory limit.
 class Lists {
  public:
   Lists() = default;
@@ -83,11 +84,11 @@ class Lists {
   float radius_ = 0;
   std::vector<std::size_t> first_;
   std::vector<std::uint32_t> index_;
-  std::vector<Vec3> places_;  ///< where neighbours are looked up
+  std::vector<Vec3> places_;  ///< positions for the search on demand
 };
 
-/// A function of the squared distance up to a radius, between values at even steps: no roots, no exponentials, and the
-/// same bits everywhere.
+/// A function of the squared distance up to a radius, interpolated between values at even steps: no roots and
+/// exponentials, and the same bits on all machines.
 class RadialTable {
  public:
   template <class Function>
@@ -96,7 +97,7 @@ class RadialTable {
   }
   RadialTable() = default;
   double end() const { return end_; }
-  /// At squared distances up to `end`.
+  /// For squared distances up to `end`.
   double operator()(double squared) const {
     const double at = squared * scale_;
     const auto i = static_cast<std::size_t>(at);
@@ -114,7 +115,7 @@ class Consolidation {
     for (const Vec3f& p : points.positions)
       if (is_finite(p)) samples_.push_back(p);
     if (samples_.empty()) throw DataError("there are no finite samples to consolidate");
-    samples_ = KdTree(samples_).positions();  // those that lie close together stand close together
+    samples_ = KdTree(samples_).positions();  // nearby samples become neighbours in memory
     tree_ = KdTree(samples_);
     start(points, progress);
     const auto theta_at = [&](double squared) { return std::exp(-16 * squared / (h_ * h_)); };
@@ -123,8 +124,8 @@ class Consolidation {
     attraction_ =
         RadialTable(reach, [&](double squared) { return theta_at(squared) / std::sqrt(squared + near * near); });
     repulsion_ = RadialTable(reach, [&](double squared) {
-      // −r falls slowly and keeps the points even over the whole neighbourhood (Huang et al.); Lipman's 1/(3r³) acts
-      // between the nearest.
+      // −r decreases slowly and evens the points over the whole neighbourhood (huang2009); 1/(3r³) of lipman2007 acts
+      // between nearest points.
       const double part = std::max(squared / (h_ * h_), 0.0025);
       return theta_at(squared) * (options_.weighted ? 1 : 1 / (part * part));
     });
@@ -150,20 +151,20 @@ class Consolidation {
   }
 
  private:
-  /// The starting points, the spacing that the result will have, and h. A sample stands for the area π r²/k around it.
-  /// Along the order of the tree, which is one through space, points start at equal steps of area (of samples, where
-  /// the density is to stay), one at random in each: evenly from the first.
+  /// Computes the starting points, the spacing of the result, and h. A sample represents the area π r²/k around it.
+  /// Along the order of the tree, a space-filling curve, points start at equal steps of area (of samples, if the
+  /// density is to be kept), one at random in each: evenly from the start.
   void start(const PointSet& points, Progress& progress) {
     const std::size_t n = samples_.size(), wanted = options_.points.value_or(std::max<std::size_t>(1, n / 2));
     PointSet finite;
     finite.positions = samples_;
     outlier_ = find_outliers(finite, {}, progress);
-    std::vector<float> raw(n), area(n);  // by sample
+    std::vector<float> raw(n), area(n);  // one per sample
     tree_.for_each_nearest(kAreaNeighbours + 1, [&](std::uint32_t slot, std::span<const Neighbour> found) {
       const auto others = static_cast<float>(std::max<std::size_t>(1, found.size() - 1));
       raw[tree_.order()[slot]] = 3.14159265f * found.back().squared_distance / others;
     });
-    // Samples off the surface are far from all others, but stand for no area: no point starts there.
+    // Samples off the surface are far from all others, but have no area: no point starts there.
     tree_.for_each_nearest(kAreaNeighbours + 1, [&](std::uint32_t slot, std::span<const Neighbour> found) {
       const std::uint32_t own = tree_.order()[slot];
       std::array<float, kAreaNeighbours + 1> others;
@@ -182,7 +183,7 @@ class Consolidation {
       steps += options_.weighted ? static_cast<double>(area[i]) : inlier ? 1.0 : 0.0;
       until[i] = steps;
     }
-    if (!(steps > 0)) {  // all at one place, or nothing but outliers
+    if (!(steps > 0)) {  // all coincident, or only outliers
       outlier_.assign(n, 0);
       for (std::size_t i = 0; i < n; ++i) until[i] = static_cast<double>(i + 1);
       steps = static_cast<double>(n);
@@ -192,7 +193,7 @@ class Consolidation {
       const double at = (static_cast<double>(i) + uniform(options_.seed, i)) / static_cast<double>(wanted) * steps;
       while (sample + 1 < n && until[sample] <= at) ++sample;
       Vec3 x(samples_[sample]);
-      if (sample == before) {  // the sample has a point already: beside it
+      if (sample == before) {  // the sample already has a point: start beside it
         const Vec3 d{uniform(options_.seed + 1, i) - 0.5, uniform(options_.seed + 2, i) - 0.5,
                      uniform(options_.seed + 3, i) - 0.5};
         x += d * std::sqrt(static_cast<double>(area[sample]));
@@ -205,7 +206,7 @@ class Consolidation {
     merge_heaps(raw);
   }
 
-  /// `areas`: those that the samples on the surface stand for.
+  /// `areas`: areas of the samples on the surface.
   double default_radius(const PointSet& points, std::vector<float> areas) const {
     double sparse = 0;
     if (!areas.empty()) {
@@ -213,15 +214,15 @@ class Consolidation {
       std::nth_element(areas.begin(), at, areas.end());
       sparse = std::sqrt(static_cast<double>(*at));
     }
-    // Wide enough for a few points of the result and a few samples even where they are sparse, and for noise to be
-    // averaged over more than its own size.
+    // Wide enough for a few points of the result and a few samples even where they are sparse, and to average noise
+    // over more than its own size.
     const double noise = estimate_noise(points);
     const double h = 4 * std::max({1.2 * spacing_, (noise > 0.1 * sparse ? 1.8 : 1.2) * sparse, 2.5 * noise});
     return h > 0 ? h : 1;
   }
 
-  /// The samples of a heap become one that counts as many: each of them would be a neighbour of all others. `raw`: the
-  /// area that each sample stands for.
+  /// Merges the samples of a heap into one of the same total weight, because each of them would be a neighbour of all
+  /// others. `raw`: area of each sample.
   void merge_heaps(std::span<const float> raw) {
     const std::size_t n = samples_.size();
     count_.assign(n, 1);
@@ -241,7 +242,7 @@ class Consolidation {
       if (end - begin <= kHeap) continue;
       any = true;
       Vec3 sum;
-      std::uint8_t outliers = 1;  // only if all are
+      std::uint8_t outliers = 1;  // only if all are outliers
       for (std::size_t k = begin; k < end; ++k) {
         const std::uint32_t i = close[k].second;
         sum += Vec3(samples_[i]);
@@ -264,9 +265,9 @@ class Consolidation {
     tree_ = KdTree(samples_);
   }
 
-  /// 1 / v_j: samples that stand close together have less weight each. That is for the density along the surface: what
-  /// lies off it has few others around, and must not count the more for that. So v is at least its mean over the
-  /// samples around. Outliers have no weight.
+  /// 1 / v_j: reduces the weight of close samples, to compensate for the density along the surface. A sample off the
+  /// surface has few others around and must not gain weight by that, so v is at least its mean over the samples around.
+  /// Outliers have no weight.
   void weigh_samples() {
     const std::size_t n = samples_.size();
     weights_.resize(n);
@@ -295,7 +296,7 @@ class Consolidation {
     });
   }
 
-  /// Root mean square of the steps.
+  /// One step; returns the root mean square of the moves.
   double step() {
     if (listed_.empty() || drift_ > 0.5 * kMargin * h_) {
       const auto reach = static_cast<float>((kReachOfTheta + kMargin) * h_);
@@ -347,7 +348,7 @@ class Consolidation {
       });
       if (!(pushed > 0)) return;
       repulsion = repulsion * (options_.repulsion / pushed);
-      // Only along the surface: across it, repulsion makes the remaining noise 1 / (1 − μ) times larger.
+      // Repel along the surface only: across it, repulsion amplifies the remaining noise by 1 / (1 − μ).
       const Vec3 mean = attraction / total;
       spread.add(mean, -total);
       const Vec3 normal = smallest_axis(spread);
@@ -374,7 +375,7 @@ class Consolidation {
     return std::sqrt(moved.sum / static_cast<double>(n));
   }
 
-  /// A direction for two points at the same place, opposite for either.
+  /// A direction for two coincident points, opposite for each.
   Vec3 apart(std::size_t i, std::size_t j) const {
     const std::uint64_t pair = std::min(i, j) * 0x100000001b3u ^ std::max(i, j);
     const Vec3 d{uniform(1, pair) - 0.5, uniform(2, pair) - 0.5, uniform(3, pair) - 0.5};
@@ -383,7 +384,7 @@ class Consolidation {
 
   LopOptions options_;
   std::vector<Vec3f> samples_;
-  std::vector<double> count_;  ///< of the input's samples that each stands for
+  std::vector<double> count_;  ///< number of input samples merged into each
   KdTree tree_, points_tree_;
   std::vector<std::uint8_t> outlier_;
   RadialTable theta_, attraction_, repulsion_;
@@ -420,12 +421,12 @@ const OptionSchema& LopOptions::schema() {
                           .unit = "length",
                           .from_data = "from spacing and noise",
                           .range = positive()}),
-      option<&O::repulsion>({.text = "lop: how strongly points keep apart",
+      option<&O::repulsion>({.text = "lop: strength of the repulsion between points",
                              .unit = "share",
                              .range = {.least = 0, .most = 0.5, .below = true}}),
       option<&O::iterations>(
           {.text = "lop: steps at most, fewer where points come to rest", .range = {1, 1000}, .name = "lop_steps"}),
-      option<&O::weighted>({.text = "lop: the result is as dense as the samples are", .negative = "unweighted"})};
+      option<&O::weighted>({.text = "lop: keep the density of the samples", .negative = "unweighted"})};
   static constexpr OptionSchema schema{rows};
   return schema;
 }
@@ -446,7 +447,7 @@ PointSet consolidate(const PointSet& points, const LopOptions& options, Progress
   PointSet scaled = points;
   move_from_input(scaled, frame);
   LopOptions inner = options;
-  // Wider neighbourhoods than the cloud hold no more samples than that.
+  // Neighbourhoods wider than the cloud hold no additional samples.
   if (inner.radius) inner.radius = std::min(frame.from_input(*inner.radius), 2.0);
   Consolidation consolidation(scaled, inner, progress);
   consolidation.run(progress);

@@ -1,4 +1,4 @@
-// Consolidation: an even, denoised set of points in place of a cloud.
+// Consolidation: an even, denoised set of points from a cloud.
 #pragma once
 
 #include <cstddef>
@@ -12,12 +12,12 @@
 
 namespace sansmesh::inline v1 {
 
-/// The locally optimal projection (METHODS §2.1: Lipman et al. 2007; weighted as by Huang et al. 2009). Points that
-/// start on samples spread evenly over the area move to weighted *medians* of the samples around them, so that outliers
-/// do not attract them, and away from each other. Needs neither normals nor a parameterisation. The origin is that of
-/// the cloud; there are no colours or faces. Points without any sample in reach do not move; outliers start none.
-/// Beyond the sources: points repel each other along the surface only. Not-finite samples are ignored. The same for any
-/// number of threads. Throws ArgumentError for bad options, DataError for a cloud without finite samples.
+/// Locally optimal projection (lipman2007; weighted as in huang2009). Points that start on samples spread evenly over
+/// the area move to weighted *medians* of the samples around them, which are robust to outliers, and repel each other.
+/// Needs neither normals nor a parameterisation. The result keeps the cloud's origin and has no colours or faces.
+/// Points without a sample in reach do not move; none starts at an outlier. Difference from the sources: points repel
+/// each other along the surface only. Samples that are not finite are ignored. The result does not depend on the number
+/// of threads. Throws ArgumentError for invalid options, DataError for a cloud without finite samples.
 PointSet consolidate(const PointSet& points, const LopOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

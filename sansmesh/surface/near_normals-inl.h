@@ -1,4 +1,4 @@
-// Weights, and which samples belong to the sheet that a point is next to: shared by all kernels. Included once for each
+// Weights, and the selection of samples on the sheet next to a point: shared by all kernels. Included once for each
 // instruction set.
 #if defined(SANSMESH_SURFACE_NEAR_NORMALS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SANSMESH_SURFACE_NEAR_NORMALS_INL_H_
@@ -15,12 +15,12 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
-/// One vector a lane.
+/// One vector per lane.
 struct Lanes {
   V x, y, z;
 };
 
-/// Weights (1 − d²/R²)⁴ of compact support: they resemble exp(−d²/h²) for R = 2h.
+/// Weights (1 − d²/R²)⁴ of compact support: similar to exp(−d²/h²) for R = 2h.
 template <bool kGradient>
 struct CompactWeight {
   HWY_INLINE static bool Evaluate(const Candidate& c, const V& d2, const V& dx, const V& dy, const V& dz,
@@ -36,7 +36,7 @@ struct CompactWeight {
   }
 };
 
-/// exp(−ε d²/h²), as far as it counts.
+/// exp(−ε d²/h²), cut off at exp(−kGaussianEnd).
 constexpr float kGaussianEnd = 12;
 template <bool kGradient>
 struct GaussianWeight {
@@ -51,11 +51,11 @@ struct GaussianWeight {
   }
 };
 
-/// Where the surface next to the points faces: means of normals with half as wide weights. Where these disagree,
+/// Direction of the surface next to the points: means of normals with weights of half the width. Where these disagree,
 /// between two sheets, the nearest sample decides.
 template <class Weight>
 HWY_INLINE Lanes NearNormals(std::span<const Candidate> candidates, const Lanes& p) {
-  constexpr float kClear = 0.25f;  // squared length of the mean from which on it is one sheet's
+  constexpr float kClear = 0.25f;  // least squared length of the mean that identifies one sheet
   const Tag tag;
   const V zero = hn::Zero(tag);
   Lanes n{zero, zero, zero}, nearest{zero, zero, zero};
@@ -87,7 +87,7 @@ HWY_INLINE Lanes NearNormals(std::span<const Candidate> candidates, const Lanes&
           hn::IfThenElse(clear, hn::Mul(n.z, inverse), nearest.z)};
 }
 
-/// 1 for samples whose normals differ by up to 90°, from there down to 0 for those 120° off and more.
+/// 1 for samples whose normals differ by up to 90°, decreasing to 0 at 120°.
 HWY_INLINE V SameSheet(const Candidate& c, const Lanes& n) {
   const V cosine = pn::MulAdd(n.x, Constant(c.nx), pn::MulAdd(n.y, Constant(c.ny), hn::Mul(n.z, Constant(c.nz))));
   return hn::Min(hn::Max(pn::MulAdd(cosine, Constant(2), Constant(1)), hn::Zero(Tag())), Constant(1));

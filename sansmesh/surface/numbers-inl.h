@@ -1,5 +1,5 @@
-// Numbers that may carry their gradient along (forward differentiation), one point a lane: formulas are written once
-// and give values or values with exact gradients. Included once for each instruction set by the kernels.
+// Numbers with optional gradients (forward differentiation), one point per lane: a formula gives values, or values with
+// exact gradients. Included once for each instruction set by the kernels.
 #if defined(SANSMESH_SURFACE_NUMBERS_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef SANSMESH_SURFACE_NUMBERS_INL_H_
 #undef SANSMESH_SURFACE_NUMBERS_INL_H_
@@ -24,7 +24,7 @@ constexpr std::size_t kLanes = hn::MaxLanes(Tag());
 
 HWY_INLINE V Constant(float c) { return hn::Set(Tag(), c); }
 
-/// A value, and with kGradient its derivatives by the coordinates of the point.
+/// A value, and with kGradient its derivatives with respect to the coordinates of the point.
 template <bool kGradient>
 struct Num;
 template <>
@@ -38,8 +38,8 @@ struct Num<true> {
 using Value = Num<false>;
 using Dual = Num<true>;
 
-// Functions of these types take one as a tag. Constructors that the compiler makes would not be compiled for the
-// instruction set, hence none.
+// Functions of these types take one as a tag. They have no constructors, because generated ones would not be compiled
+// for the instruction set.
 HWY_INLINE Value Number(const V& v, const Value*) { return {v}; }
 HWY_INLINE Dual Number(const V& v, const Dual*) {
   const V zero = hn::Zero(Tag());
@@ -119,14 +119,14 @@ HWY_INLINE Num3<kGradient> Zero3() {
   return {Fixed<kGradient>(0), Fixed<kGradient>(0), Fixed<kGradient>(0)};
 }
 
-/// The coordinates of the points as numbers.
+/// Coordinates of the points as numbers.
 HWY_INLINE Num3<false> Coordinates(const V& x, const V& y, const V& z, const Value*) { return {{x}, {y}, {z}}; }
 HWY_INLINE Num3<true> Coordinates(const V& x, const V& y, const V& z, const Dual*) {
   const V one = Constant(1), zero = hn::Zero(Tag());
   return {{x, one, zero, zero}, {y, zero, one, zero}, {z, zero, zero, one}};
 }
 
-/// A function g of d² = ‖x − x_i‖², with dx = x − x_i, and its derivative by d².
+/// A function g of d² = ‖x − x_i‖², with dx = x − x_i, and its derivative with respect to d².
 HWY_INLINE Value Radial(const V& g, const V&, const V&, const V&, const V&, const Value*) { return {g}; }
 HWY_INLINE Dual Radial(const V& g, const V& derivative, const V& dx, const V& dy, const V& dz, const Dual*) {
   const V two = hn::Add(derivative, derivative);

@@ -2,7 +2,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "sansmesh/surface/projection_kernels.cpp"
 #include <hwy/foreach_target.h>
-// After foreach_target.h, as Highway requires.
+// Must follow foreach_target.h (Highway).
 #include <hwy/highway.h>
 
 #include "sansmesh/surface/fit_lanes-inl.h"
@@ -12,9 +12,9 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
-constexpr int kLevinSteps = 6;  // of the minimisation over plane and offset
+constexpr int kLevinSteps = 6;  // steps of the minimisation over plane and offset
 
-/// Levin, Alexa et al.: a plane, then over it the quadratic polynomial of weighted least squares, about q.
+/// levin2003, alexa2003: a plane, then the weighted least-squares quadratic polynomial over it, about q.
 template <bool kGaussian>
 HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes& q, const Plane& plane, bool sheets,
                               const Lanes& near, const V& inside, std::size_t at, GroupFeet& out) {
@@ -26,7 +26,7 @@ HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes
   V a[21], f[6];
   for (V& v : a) v = zero;
   for (V& v : f) v = zero;
-  // Moments w uⁱ vʲ; the matrix of the basis 1, u, v, u², uv, v² is made of fifteen of them.
+  // Moments w uⁱ vʲ; the matrix of the basis 1, u, v, u², uv, v² consists of fifteen of them.
   V m[15];
   for (V& v : m) v = zero;
   for (const Candidate& c : candidates) {
@@ -51,7 +51,7 @@ HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes
   SolveLanes<6>(a, f);
   const V one = Constant(1);
   const Lanes p = Along(q, plane.normal, hn::Div(f[0], unit));
-  // The polynomial's own tangent plane and second derivatives at u = v = 0.
+  // Tangent plane and second derivatives of the polynomial at u = v = 0.
   const V steep = hn::Div(one, hn::Sqrt(pn::MulAdd(f[1], f[1], pn::MulAdd(f[2], f[2], one))));
   const Lanes n = Unit(Along(Along(plane.normal, t, hn::Neg(f[1])), b, hn::Neg(f[2])), plane.normal);
   const V scale = Times(unit, steep);
@@ -67,17 +67,17 @@ HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes
   StoreFoot(p, n, form(tt, bt, tt, bt), form(tt, bt, tb, bb), form(tb, bb, tb, bb), inside, at, out);
 }
 
-/// METHODS §2.2: the mean plane, then directional curvatures κ_i = 2 z_i / ρ_i² about q. In terms of the heights z_i
-/// the fit of χ₁ + χ₂ cos 2θ + χ₃ sin 2θ to κ_i with weights ρ^{2τ} exp(−ρ²/h²) is one of δ + ½ χ₁ ρ² + ½ χ₂ (u² − v²)
-/// + χ₃ u v to z_i with weights ρ^{2τ−4} exp(−ρ²/h²), without a single angle. The offset δ replaces the fixed point of
-/// the diffusion: where the anisotropic mean of the heights, less what curvature adds to it, vanishes.
+/// tejada2008, 4.2: the mean plane, then directional curvatures κ_i = 2 z_i / ρ_i² about q. In terms of the heights z_i
+/// the fit of χ₁ + χ₂ cos 2θ + χ₃ sin 2θ to κ_i with weights ρ^{2τ} exp(−ρ²/h²) is a fit of δ + ½ χ₁ ρ² + ½ χ₂ (u² −
+/// v²) + χ₃ u v to z_i with weights ρ^{2τ−4} exp(−ρ²/h²), without angles. The offset δ replaces the fixed point of the
+/// diffusion, where the anisotropic mean of the heights, without the part due to curvature, vanishes.
 template <bool kGaussian, int kTau, bool kDiffusion>
 HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const ProjectionKernel& kernel, const Lanes& q,
                               const Plane& plane, const Lanes& near, const V& inside, std::size_t at, GroupFeet& out) {
   const V zero = hn::Zero(Tag()), one = Constant(1);
   Lanes t{zero, zero, zero}, b = t;
   TangentFrame(plane.normal, t, b);
-  const V unit = hn::Div(one, hn::Sqrt(hn::Max(plane.width2, Constant(kLeast))));  // lengths in h
+  const V unit = hn::Div(one, hn::Sqrt(hn::Max(plane.width2, Constant(kLeast))));  // unit of length: h
   const ScaledFrame frame = Scaled(t, b, plane.normal, unit);
   V a[10], f[4];
   for (V& v : a) v = zero;
@@ -91,7 +91,7 @@ HWY_INLINE void CurvatureFoot(std::span<const Candidate> candidates, const Proje
     const V uu = Times(u, u), vv = Times(v, v);
     const V r2 = hn::Add(uu, vv);
     if constexpr (kDiffusion) {
-      // |κ| = 2 |z| / ρ², with the ρ of the sample's distance: it never vanishes off the plane.
+      // |κ| = 2 |z| / ρ², where ρ is the distance of the sample, which does not vanish off the plane.
       const V far = pn::MulAdd(z, z, r2);
       const V excess =
           hn::Sub(hn::Div(hn::Abs(hn::Add(z, z)), hn::Max(far, Constant(1e-6f))), Constant(kernel.threshold));
@@ -148,8 +148,8 @@ void Project(const ProjectionKernel& kernel, std::span<const Candidate> candidat
     }
     Plane plane = FitPlane<true, kGaussian>(candidates, r, kernel.sheets, near, &inside);
     Lanes q = Along(r, plane.normal, plane.distance);
-    // Alexa et al. take the weights about r. Levin's plane is the minimum over direction and offset, with weights about
-    // its own foot q: a fixed point of the same step with r = q, for which q stays on the line through r.
+    // alexa2003 uses weights about r. Levin's plane is the minimum over direction and offset, with weights about its
+    // own foot q: a fixed point of the same step with r = q, for which q stays on the line through r.
     if (kernel.formula == ProjectionFormula::levin) {
       for (int k = 0; k < kLevinSteps; ++k) {
         plane = PlaneBelow<kGaussian>(candidates, q, r, kernel.sheets, near);

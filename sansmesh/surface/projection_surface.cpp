@@ -15,8 +15,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Width over the spacing beyond that of implicit functions: the polynomials need about a dozen samples. The curvature
-/// fit has four unknowns, not six: without noise it is as exact as the others on fewer samples.
+/// Increment of the width over the spacing relative to implicit functions: the polynomials need about a dozen samples.
+/// The curvature fit has four unknowns, not six: without noise it is as exact as the others on fewer samples.
 constexpr double kMore = 0.1, kFewer = 0.2, kMostSmoothing = 5;
 /// The same for the polynomials of 3, 6, 10 and 15 unknowns.
 constexpr double kMoreOfDegree[] = {0, 0, kMore, 0.3, 0.5};
@@ -56,10 +56,10 @@ void ProjectionOptions::validate() const {
   if (reach) check_range("reach", *reach, 0.5, 10);
   check(std::isfinite(threshold) && threshold > 0, "`threshold` must be positive");
   check(tau >= 1 && tau <= 3, "`tau` must be 1, 2 or 3");
-  check(flow == Flow::fit || method == ProjectionMethod::curvature, "`flow` belongs to the surface curvature");
-  check(plane == Plane::iterated || method == ProjectionMethod::levin, "`plane` belongs to the surface levin");
+  check(flow == Flow::fit || method == ProjectionMethod::curvature, "only the surface curvature has `flow`");
+  check(plane == Plane::iterated || method == ProjectionMethod::levin, "only the surface levin has `plane`");
   check(polynomial == Polynomial::quadratic || method != ProjectionMethod::curvature,
-        "`polynomial` belongs to the surfaces levin and alexa");
+        "only the surfaces levin and alexa have `polynomial`");
 }
 
 ProjectionSurface make_projection_surface(SurfaceSamples samples, const ProjectionOptions& options,

@@ -1,4 +1,4 @@
-// Surfaces as the points that a projection operator leaves where they are (METHODS §2.1, §2.2).
+// Surfaces as the fixed points of projection operators.
 #pragma once
 
 #include <memory>
@@ -13,14 +13,14 @@
 namespace sansmesh::inline v1 {
 
 enum class ProjectionMethod {
-  levin,     ///< plane of least weighted squares over direction and offset, then a polynomial (Levin 2003)
-  alexa,     ///< the same with weights about the point itself: one step (Alexa et al. 2003)
-  curvature  ///< mean plane, then principal curvatures from directional ones (tejada2008 §4.2)
+  levin,     ///< plane of least weighted squares over direction and offset, then a polynomial (levin2003)
+  alexa,     ///< the same with weights about the point itself: one step (alexa2003)
+  curvature  ///< mean plane, then principal curvatures from directional ones (tejada2008, 4.2)
 };
 
-/// In the order of the enumerators.
+/// Names in the order of the enumerators.
 inline constexpr std::string_view kProjectionMethods[] = {"levin", "alexa", "curvature"};
-/// Throws ArgumentError for a name that is none of them.
+/// Throws ArgumentError for an unknown name.
 ProjectionMethod projection_method(std::string_view name);
 
 struct ProjectionOptions {
@@ -31,7 +31,7 @@ struct ProjectionOptions {
   ProjectionMethod method = ProjectionMethod::curvature;
   /// Width of the weights over the local spacing, 0.5..20; default: from the noise.
   std::optional<double> smoothing = {};
-  std::optional<double> bandwidth = {};  ///< width of the weights as one length, in place of `smoothing`
+  std::optional<double> bandwidth = {};  ///< width of the weights as one length, replaces `smoothing`
   bool separate_sheets = true;           ///< samples that face away from those nearby are ignored
   /// Radius of the domain's balls over the local spacing, 0.5..10; default: `default_reach`.
   std::optional<double> reach = {};
@@ -59,7 +59,7 @@ class ProjectionSurface : public Projection {
   const SurfaceSamples& samples() const;
   double smoothing() const;
 
-  struct State;  ///< internal
+  struct State;
 
  private:
   friend ProjectionSurface make_projection_surface(SurfaceSamples, const ProjectionOptions&, Progress&);
@@ -67,7 +67,7 @@ class ProjectionSurface : public Projection {
   std::unique_ptr<State> state_;
 };
 
-/// Throws ArgumentError for bad options.
+/// Throws ArgumentError for invalid options.
 ProjectionSurface make_projection_surface(SurfaceSamples samples, const ProjectionOptions& options, Progress& progress);
 
 }  // namespace sansmesh::inline v1

@@ -8,8 +8,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kMixed = 24;  // samples around a place
-constexpr float kOnSheet = 0.3f;    // cosine between normals of one sheet, at least
+constexpr std::size_t kMixed = 24;  // number of samples around a point
+constexpr float kOnSheet = 0.3f;    // least cosine between normals of one sheet
 
 }  // namespace
 
@@ -40,7 +40,7 @@ SampleCurvature::SampleCurvature(const PointSet& points, std::span<const Princip
 }
 
 void SampleCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
-                               std::span<SurfaceBend> bends) const {
+                               std::span<SurfaceCurvature> bends) const {
   if (x.size() != normals.size() || x.size() != bends.size())
     throw ArgumentError("SampleCurvature::evaluate: as many normals and results as points are needed");
   parallel_ranges(0, x.size(), 1024, [&](std::size_t first, std::size_t last) {
@@ -49,7 +49,7 @@ void SampleCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> n
       bends[i] = {};
       const std::size_t n = tree_.nearest(Vec3f(frame_.from_input(x[i])), near);
       if (n == 0) continue;
-      // The side that the samples' normals call out need not be the one that is looked at.
+      // The outward side of the samples' normals may differ from the visible side.
       float side = 0;
       for (std::size_t j = 0; j < n && side == 0; ++j) {
         const float along = dot(normals_[near[j].index], normals[i]);
@@ -75,7 +75,7 @@ void SampleCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> n
                (sum[0] * u.x * v.x + sum[1] * u.y * v.y + sum[2] * u.z * v.z + sum[3] * (u.x * v.y + u.y * v.x) +
                 sum[4] * (u.x * v.z + u.z * v.x) + sum[5] * (u.y * v.z + u.z * v.y));
       };
-      bends[i] = principal_bend(form(a, a), form(a, b), form(b, b), a, b);
+      bends[i] = principal_curvatures_of(form(a, a), form(a, b), form(b, b), a, b);
     }
   });
 }

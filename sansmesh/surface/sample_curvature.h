@@ -1,4 +1,4 @@
-// Curvature anywhere on a surface of samples, from estimates at these.
+// Curvatures at points of a surface, interpolated from estimates at samples.
 #pragma once
 
 #include <array>
@@ -15,21 +15,22 @@
 
 namespace sansmesh::inline v1 {
 
-/// The mean of the curvature tensors k₁ d₁d₁ᵀ + k₂ d₂d₂ᵀ of the samples around a place, on the same sheet, with weights
-/// that end smoothly: for clouds and vertices of meshes.
+/// Mean of the curvature tensors k₁ d₁d₁ᵀ + k₂ d₂d₂ᵀ of the samples around a point, on the same sheet, with smooth
+/// weights of compact support: for clouds and vertices of meshes.
 class SampleCurvature final : public CurvatureField {
  public:
-  /// Estimates the curvatures of all samples (estimate_curvatures), which lie at `place` in the coordinates of what is
-  /// asked. Copies what it needs. Throws ArgumentError for bad options, DataError for a cloud without normals.
+  /// Estimates the curvatures of all samples (estimate_curvatures). `frame` is the local frame of the query points.
+  /// Copies the data that it needs. Throws ArgumentError for invalid options, DataError for a cloud without normals.
   SampleCurvature(const PointSet& points, const LocalFrame& frame, const CurvatureOptions& options, Progress& progress);
-  /// With the curvatures at hand, as many as points: those of a mesh's vertices.
+  /// Uses known curvatures, as many as points, for example of a mesh's vertices.
   SampleCurvature(const PointSet& points, std::span<const PrincipalCurvatures> curvatures, const LocalFrame& frame);
-  void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals, std::span<SurfaceBend> bends) const override;
+  void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
+                std::span<SurfaceCurvature> bends) const override;
 
  private:
   LocalFrame frame_;
   KdTree tree_;
-  std::vector<Vec3f> normals_;  ///< zero where no curvature is known
+  std::vector<Vec3f> normals_;  ///< zero where the curvature is undefined
   std::vector<std::array<float, 6>> tensors_;
 };
 

@@ -13,7 +13,7 @@ void order_batch(std::span<const Vec3> x, double cell, std::vector<std::uint64_t
     if (is_finite(p)) box.extend(p);
   const Vec3 size = box.empty() ? Vec3{} : box.size();
   const double largest = std::max({size.x, size.y, size.z});
-  // Half the width of a group, as far as ten bits an axis go.
+  // Half the width of a group, within the range of ten bits per axis.
   const double scale = 1 / std::max({0.5 * cell, largest / 1023, 1e-300});
   const bool sorted = largest <= cell;
   for (std::size_t i = 0; i < x.size(); ++i) {

@@ -1,4 +1,4 @@
-// Points that lie close together and the samples whose supports reach them: the unit in which surfaces are evaluated.
+// Groups of nearby points and the samples whose supports reach them: the unit of evaluation of surfaces.
 #pragma once
 
 #include <algorithm>
@@ -12,19 +12,20 @@
 
 namespace sansmesh::inline v1::detail {
 
-/// Points are evaluated together, one per lane; more than the widest vectors have, so that groups do not depend on it.
+/// Number of points evaluated together, one per lane; at least the widest SIMD width, so that groups do not depend on
+/// it.
 constexpr std::size_t kGroup = 16;
 
-/// One sample as the kernels need it: a cache line, lengths relative to the group's centre.
+/// One sample for the kernels, one cache line; lengths relative to the group's centre.
 struct alignas(64) Candidate {
   float x, y, z;
   float inverse_support;  ///< 1 / R², or ε / h² for Gaussians
   float nx, ny, nz;
-  float weight;          ///< constant factor: what the sample stands for
+  float weight;          ///< constant factor: the area of the sample
   float plane;           ///< ⟨x_i, n_i⟩
   float square;          ///< ‖x_i‖²
-  float inverse_reach;   ///< 1 / r²: radius of the ball of the domain
-  float inverse_height;  ///< 1 / z²: how far from the surface formulas of higher order are good for
+  float inverse_reach;   ///< 1 / r², r: radius of the ball of the domain
+  float inverse_height;  ///< 1 / z², z: validity of formulas of higher order (distance from the surface)
   float mx, my, mz;      ///< coefficient of the iterated approximation: ⟨x, m⟩ − plane_m
   float plane_m;
 };
@@ -32,27 +33,27 @@ struct alignas(64) Candidate {
 /// Up to kGroup points relative to a centre, as a structure of arrays; unused lanes repeat the last point.
 struct PointGroup {
   alignas(64) float x[kGroup], y[kGroup], z[kGroup];
-  std::uint32_t slot[kGroup];  ///< where each point's answer goes
+  std::uint32_t slot[kGroup];  ///< index of each point in the batch
   std::size_t count = 0;
   Vec3f center;
 };
 
-/// Where a projection takes the points of a group.
+/// Foot points of the points of a group.
 struct GroupFeet {
   alignas(64) float x[kGroup], y[kGroup], z[kGroup];     ///< positions relative to the group's centre
   alignas(64) float nx[kGroup], ny[kGroup], nz[kGroup];  ///< unit normals
-  alignas(64) float xx[kGroup], xy[kGroup], yy[kGroup];  ///< of FootPoint
+  alignas(64) float xx[kGroup], xy[kGroup], yy[kGroup];  ///< second derivatives of FootPoint
   alignas(64) float inside[kGroup];                      ///< > 0 in the balls of the domain
 };
 
-/// Cuts a batch into groups whose boxes are at most `extent` wide, after sorting it along a space-filling curve where
-/// it is not in a sensible order, and calls visit(group, box) for each; the same groups for the same batch. Points that
-/// are not finite are left out.
+/// Divides a batch into groups whose boxes are at most `extent` wide and calls visit(group, box) for each. Sorts the
+/// batch along a space-filling curve unless its order is already suitable; the groups depend on the batch only. Points
+/// that are not finite are skipped.
 template <class Visit>
 void for_each_group(std::span<const Vec3> x, double extent, Visit&& visit);
 
-/// Order in which the points of a batch are taken: sorted by cells of the given edge, or as they come if they are few.
-/// Leaves out points that are not finite.
+/// Order of the points of a batch: sorted by cells of the given edge, or unchanged if they are few. Skips points that
+/// are not finite.
 void order_batch(std::span<const Vec3> x, double cell, std::vector<std::uint64_t>& order);
 
 template <class Visit>

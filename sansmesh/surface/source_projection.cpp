@@ -10,20 +10,20 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr int kIteratedSteps = 6;  // of Levin's plane, as in the kernels
-constexpr int kMostUnknowns = 15;  // of degree 4
-/// A pivot below this share of its diagonal tells that the samples do not determine the unknown.
+constexpr int kIteratedSteps = 6;  // steps to Levin's plane, as in the kernels
+constexpr int kMostUnknowns = 15;  // degree 4
+/// A pivot below this share of its diagonal marks an unknown that the samples do not determine.
 constexpr double kDetermined = 1e-9;
-/// Diffusion: Δt = 1; for the hard function so many such steps, then ever shorter ones: where it jumps across the place
-/// of rest there is none, and they close in on the jump.
+/// Diffusion: Δt = 1. The hard function takes kFullSteps such steps, then ever shorter ones: if it jumps across the
+/// rest position there is none, and the steps converge to the jump.
 constexpr int kFullSteps = 24, kMostDiffusion = 1000;
 constexpr double kAtRestOfWidth = 1e-7;
 
-/// A foot moves by so many widths, and samples within the root of these (over that of the weights' ends, 1 and 12)
-/// may come into reach: 2 + ½ and √12 + ½ widths.
+/// A foot moves by up to this many widths. Samples within the root of these squared radii (in units of the ends of the
+/// weights, 1 and 12) may come into reach: 2 + ½ and √12 + ½ widths.
 constexpr double kNearStep = 0.5, kNearCompact = 1.5625, kNearGaussian = 15.8;
 
-/// Normal equations of a few unknowns. Symmetric: the lower triangle counts.
+/// Normal equations of a few unknowns; symmetric, only the lower triangle is used.
 struct Normals {
   std::array<std::array<double, kMostUnknowns>, kMostUnknowns> a{};
   std::array<double, kMostUnknowns> b{};
@@ -37,7 +37,7 @@ struct Normals {
       b[i] += w * value;
     }
   }
-  /// b becomes the solution (Cholesky); false where it is not determined.
+  /// Replaces b by the solution (Cholesky); false if it is not determined.
   bool solve() {
     for (std::size_t j = 0; j < n; ++j) {
       double pivot = a[j][j];
@@ -61,7 +61,7 @@ struct Normals {
   }
 };
 
-/// Where the surface next to x faces: NearNormals of the kernels.
+/// Direction of the surface next to x, like NearNormals of the kernels.
 Vec3 facing_at(std::span<const WeighedSample> samples, std::span<const double> areas, const Vec3& x) {
   Vec3 mean, nearest;
   double sum = 0, largest = 0;
@@ -113,7 +113,7 @@ struct Foot {
   double xx = 0, xy = 0, yy = 0;
 };
 
-/// The foot on a polynomial over a plane, with its own normal and second derivatives in the frame of that.
+/// Foot point on a polynomial over a plane, with its normal and second derivatives in the frame of that normal.
 Foot foot_on(const PlanePolynomial& g, const Vec3& q, const Vec3& normal) {
   Vec3 t, b, t2, b2;
   tangent_frame(normal, t, b);
@@ -157,7 +157,7 @@ Foot project(const ProjectionKernel& kernel, std::span<const WeighedSample> samp
       t = dot(n, plane.mean - r);
     }
     if (kernel.nonlinear) {
-      // The minimum is next to where the iteration ends: what cannot reach it need not be looked at in each step.
+      // The minimum is near the end of the iteration: samples that cannot reach it are skipped in each step.
       std::vector<WeighedSample> near;
       for (const WeighedSample& s : samples)
         if (squared_norm(s.x - r - n * t) * s.inverse_width < (kernel.gaussian ? kNearGaussian : kNearCompact))
@@ -189,7 +189,7 @@ PlanePolynomial fit_polynomial(std::span<const WeighedSample> samples, const Vec
       const double u = dot(d, t) / width, v = dot(d, b) / width;
       std::array<double, kMostUnknowns> row{1, u, v, u * u, u * v, v * v};
       if (incomplete) row = {1, u * u, u * v, v * v};
-      // Degree by degree: all of the last one times u, and its last one times v.
+      // Degree by degree: all terms of the previous one times u, and its last one times v.
       for (std::size_t first = 3, size = 3, to = 6; to < unknowns; first += size, ++size) {
         for (std::size_t k = 0; k < size; ++k) row[to++] = u * row[first + k];
         row[to++] = v * row[first + size - 1];

@@ -15,13 +15,13 @@ namespace {
 constexpr std::size_t kNeighbours = 16;
 constexpr std::size_t kFewest = 9;
 
-/// Noise over spacing from which on normals are smoothed, and from which on twice.
+/// Noise over spacing above which normals are smoothed once, and above which twice.
 constexpr double kSomeNoise = 0.1, kMuchNoise = 0.4;
 
-/// Evenness of samples that count as even, and of those at random.
+/// Evenness of even samples, and of random ones.
 constexpr double kEven = 0.85, kRandom = 0.5;
 
-/// Distances at duplicates vanish, but a sample must not stand for nothing.
+/// Lower bound, because distances between duplicates vanish.
 constexpr double kLeastSpacing = 0.05;
 
 }  // namespace

@@ -8,11 +8,11 @@
 #include <span>
 
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/close_points.h"
-#include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/sample_faces.h"
+#include "sansmesh/search/equal_positions.h"
 #include "sansmesh/surface/curvature_fit.h"
 
 namespace sansmesh::inline v1 {
@@ -20,24 +20,26 @@ namespace {
 
 using detail::CurvatureFitter;
 
-/// Whole rings are taken until they hold this share of the neighbours wanted.
+/// Whole rings are added until they hold this share of the requested neighbours.
 constexpr double kMostOfNeighbours = 0.9;
 constexpr int kLeastRings = 2;
-/// Vertices of more neighbours than this, and than twice those wanted, are nobody's: the hub of a cap is far from its
-/// rim for the spacing there, and by way of it the whole cap would be the surroundings of each vertex of the rim.
+/// Vertices with more neighbours than this, and than twice the requested number, are excluded as hubs. The hub of a cap
+/// is far from its rim in terms of the spacing there, and through it the whole cap would belong to the neighbourhood of
+/// each vertex of the rim.
 constexpr std::size_t kMostSpokes = 64;
-/// Cosine between normals from which on downwards a vertex along the edges is on the other side: round a thin rim.
+/// Below this cosine between normals a vertex along the edges is on the other side of a thin rim.
 constexpr double kRoundTheRim = -0.25;
-/// Who walks marks what was seen of the whole mesh: it is cut into so many shares, of so many vertices at least.
+/// Each walk marks visited vertices of the whole mesh, so the mesh is divided into kShares shares of at least
+/// kLeastShare vertices.
 constexpr std::size_t kShares = 64, kLeastShare = 2048;
 
-/// The vertices of a mesh by place, and which are joined by edges.
+/// Coincident vertices of a mesh merged into nodes, with the edges between them.
 struct PlaceGraph {
-  std::vector<std::uint32_t> place;  ///< of each vertex: the first one there
+  std::vector<std::uint32_t> place;  ///< first coincident vertex of each vertex
   std::vector<std::uint32_t> first, beside;
-  std::vector<Vec3> normal;  ///< of each place, unit or zero
+  std::vector<Vec3> normal;  ///< normal of each node, unit or zero
 
-  explicit PlaceGraph(const PointSet& mesh) : place(places_of(mesh)), normal(mesh.size()) {
+  explicit PlaceGraph(const PointSet& mesh) : place(first_equal_positions(mesh.positions)), normal(mesh.size()) {
     join(mesh);
     std::vector<double> area(mesh.size(), 0);
     for (const auto& t : mesh.triangles) {
@@ -51,16 +53,8 @@ struct PlaceGraph {
   }
 
  private:
-  static std::vector<std::uint32_t> places_of(const PointSet& mesh) {
-    const std::vector<std::uint8_t> again = find_duplicates(mesh);
-    if (std::find(again.begin(), again.end(), 1) != again.end()) return close_representatives(mesh.positions, 0);
-    std::vector<std::uint32_t> own(mesh.size());
-    std::iota(own.begin(), own.end(), 0u);
-    return own;
-  }
-
   void join(const PointSet& mesh) {
-    std::vector<std::uint64_t> pairs;  // both ways
+    std::vector<std::uint64_t> pairs;  // both directions
     for (const auto& t : mesh.triangles) {
       if (t[0] >= mesh.size() || t[1] >= mesh.size() || t[2] >= mesh.size()) continue;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -80,13 +74,13 @@ struct PlaceGraph {
   }
 };
 
-/// The rings around one vertex after another.
+/// Computes the rings around one vertex after another.
 class RingWalk {
  public:
   explicit RingWalk(const PlaceGraph& graph) : graph_(graph), seen_(graph.place.size(), 0) {}
 
-  /// Neighbours of v from near to far, itself left out: whole rings until there are `enough`, of vertices that
-  /// `keep(w)` allows. Hubs are not among them, nor what lies behind these.
+  /// Neighbours of v from near to far, without v: whole rings until there are `enough`, of vertices that `keep(w)`
+  /// accepts. Excludes hubs and the vertices behind them.
   template <class Keep>
   const std::vector<std::uint32_t>& around(std::uint32_t v, std::size_t enough, const Keep& keep) {
     if (++round_ == 0) std::fill(seen_.begin(), seen_.end(), 0), round_ = 1;
@@ -117,7 +111,7 @@ class RingWalk {
   std::uint32_t round_ = 0;
 };
 
-/// With all unknowns, and fewer where the neighbours do not tell them.
+/// Fits all unknowns, and fewer if the neighbours do not determine them.
 PrincipalCurvatures fit_fewer_and_fewer(std::span<CurvatureFitter* const> fitters, const Vec3& normal,
                                         std::span<const Vec3> offsets, double radius) {
   for (CurvatureFitter* const fitter : fitters) {
@@ -140,7 +134,7 @@ std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh
                                                             Progress& progress) {
   options.validate();
   if (mesh.normals.size() != mesh.size()) throw DataError("curvatures need normals; the mesh has none");
-  if (mesh.triangles.empty()) throw DataError("there are no triangles: curvatures of points are those of a cloud");
+  if (mesh.triangles.empty()) throw DataError("there are no triangles: estimate the curvatures of the cloud instead");
   const PlaceGraph graph(mesh);
   std::size_t enough = 0;
   if (!options.bandwidth) {

@@ -9,15 +9,15 @@
 
 namespace sansmesh::inline v1 {
 
-/// Noise of the vertices (length) where it is known: few vertices leave the shape of a mesh as noise, which it is not.
+/// Noise of the vertices (length) if known. An estimate from few vertices would mistake the shape of a mesh for noise.
 double known_noise(const PointSet& mesh);
 
-/// As estimate_curvatures, but neighbours are the vertices along the edges, ring by ring: they lie on all sides of a
-/// vertex, however the triangles are graded, and on its own sheet. There are two rings at least, and as many as hold
-/// most of `neighbours` (default: as there, for the noise that is known), or with `radius` as lie within 1.6 h.
-/// Vertices at the same place are one. Where so few neighbours do not tell all that is to be fitted, the fitted surface
-/// passes through the vertex, and then keeps its normal. Not defined at vertices of no triangle. Throws ArgumentError
-/// for bad options, DataError for a mesh without normals or triangles.
+/// Like estimate_curvatures, but neighbours are the vertices along the edges, ring by ring: they are on all sides of a
+/// vertex for any grading of the triangles, and on its own sheet. The number of rings is at least two, and large enough
+/// to hold most of `neighbours` (default: as there, from the known noise), or with `radius` all within 1.6 h.
+/// Coincident vertices count as one. If so few neighbours do not determine all unknowns, the fitted surface passes
+/// through the vertex, and then keeps its normal. Undefined at vertices of no triangle. Throws ArgumentError for
+/// invalid options, DataError for a mesh without normals or triangles.
 std::vector<PrincipalCurvatures> estimate_vertex_curvatures(const PointSet& mesh, const CurvatureOptions& options,
                                                             Progress& progress);
 

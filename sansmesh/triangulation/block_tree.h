@@ -1,4 +1,4 @@
-// The 2:1 balanced tree of cubic blocks in space that carries the J₁ᴬ triangulation (METHODS §3.2).
+// 2:1 balanced octree of cubic blocks in space, which carries the J₁ᴬ triangulation (castelo2006).
 #pragma once
 
 #include <cstdint>
@@ -9,14 +9,14 @@
 
 namespace sansmesh::inline v1 {
 
-/// Range of the depths that can be asked for, of trees of fits and of the blocks of meshes.
+/// Range of accepted depths, for trees of fits and for blocks of meshes.
 constexpr int kLeastDepth = 2, kMostDepth = 14;
 
-/// An octree over a cube: block (i, j, k) of level l is the cube lower + edge·2⁻ˡ·[(i,j,k), (i+1,j+1,k+1)], its
-/// children are in the order x + 2y + 4z.
+/// Octree over a cube: block (i, j, k) of level l is the cube lower + edge·2⁻ˡ·[(i,j,k), (i+1,j+1,k+1)]; its children
+/// are in the order x + 2y + 4z.
 class BlockTree : public BlockTreeN<3> {
  public:
-  /// A tree that is one block: the cube with this corner and edge length.
+  /// A tree of one block: the cube with this corner and edge length.
   BlockTree(const Vec3& lower, double edge) : lower_(lower), edge_(edge) {}
 
   const Vec3& lower() const { return lower_; }

@@ -11,7 +11,7 @@ std::size_t BlockTreeN<N>::subdivide(std::size_t i) {
   if (!is_leaf(i)) return static_cast<std::size_t>(blocks_[i].first_child);
   if (blocks_[i].level >= kMaxLevel) throw ArgumentError("block tree: deeper than 16 levels");
   const std::size_t first = blocks_.size();
-  if (first + kChildren > kMostBlocks) throw DataError("block tree: more blocks than can be counted");
+  if (first + kChildren > kMostBlocks) throw DataError("block tree: too many blocks");
   const Block parent = blocks_[i];
   blocks_[i].first_child = static_cast<std::int32_t>(first);
   for (unsigned c = 0; c < kChildren; ++c) {
@@ -49,8 +49,8 @@ bool BlockTreeN<N>::subdivided(int level, const Cell& cell) const {
 
 template <int N>
 void BlockTreeN<N>::balance() {
-  // A subdivided block of level l needs all its neighbours of level l to exist. Those are created by subdividing blocks
-  // of level l - 1, which come up when that level is treated: one sweep from the deepest level upward is enough.
+  // A subdivided block of level l needs all its neighbours of level l. Those are created by subdividing blocks of level
+  // l - 1, which are treated with that level: one sweep from the deepest level upward is enough.
   int neighbours = 1;
   for (int k = 0; k < N; ++k) neighbours *= 3;
   std::vector<std::vector<std::uint32_t>> inner(static_cast<std::size_t>(depth_) + 1);

@@ -1,4 +1,4 @@
-// Block trees as the J₁ᴬ triangulation sees them.
+// Adapters of block trees to the interface of the J₁ᴬ triangulation.
 #pragma once
 
 #include "sansmesh/triangulation/block_tree.h"
@@ -6,8 +6,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// Such a tree as the triangulation sees it. Refers to the tree, which must be balanced when it is asked, must outlive
-/// this and may change.
+/// A BlockTreeN as a BlockView. Refers to the tree, which may change, must outlive this object and must be balanced at
+/// each query.
 template <int N>
 class BlockTreeNView : public BlockView<N> {
  public:
@@ -30,18 +30,18 @@ class BlockTreeNView : public BlockView<N> {
   const BlockTreeN<N>* tree_;
 };
 
-/// A tree in space.
+/// The same for a BlockTree in space.
 class BlockTreeView final : public BlockTreeNView<3> {
  public:
   explicit BlockTreeView(const BlockTree& tree) : BlockTreeNView<3>(tree), tree_(&tree) {}
 
-  /// Where a vertex lies, in the unit of the tree.
+  /// Position of a vertex in the unit of the tree.
   Vec3 position(const LatticeVertex<3>& v) const {
     const double unit = tree_->edge() / static_cast<double>(kLatticeEdge);
     const Vec3 offset{static_cast<double>(v[0]), static_cast<double>(v[1]), static_cast<double>(v[2])};
     return tree_->lower() + offset * unit;
   }
-  /// The argument of locate() for a point in the unit of the tree.
+  /// Converts a point in the unit of the tree to an argument of locate().
   std::array<double, 3> to_lattice(const Vec3& x) const {
     const Vec3 u = (x - tree_->lower()) / tree_->edge();
     return {u.x, u.y, u.z};

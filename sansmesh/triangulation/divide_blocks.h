@@ -1,4 +1,4 @@
-// Division of the blocks of a tree, level by level.
+// Subdivision of the blocks of a tree, level by level.
 #pragma once
 
 #include <cstddef>
@@ -10,8 +10,8 @@
 
 namespace sansmesh::inline v1 {
 
-/// Divides blocks from the root on, `levels` times at most. `divides(block, scratch)` decides for each block by itself,
-/// on several threads; `scratch` is room for indices that it may use.
+/// Subdivides blocks from the root on, for at most `levels` levels. `divides(block, scratch)` decides for each block
+/// independently, on several threads; `scratch` is a reusable buffer of indices.
 template <class Divides>
 void divide_blocks(BlockTree& tree, int levels, const Divides& divides) {
   std::vector<std::size_t> level{0}, next;

@@ -11,14 +11,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-// Step numbers count from 1, as in the paper; axis_of(S, i) = π_i.
+// Steps count from 1, as in castelo2006; axis_of(S, i) = π_i.
 template <int N>
 std::size_t axis_of(const Simplex<N>& s, int step) {
   return s.axis[static_cast<std::size_t>(step - 1)];
 }
 
-/// Whether the face that the first `step` steps of a path lead to is refined, those before it not being so: then a
-/// finer block can only be one that is offset along the last axis. Corners (step = N) are never refined.
+/// Whether the face at the end of the first `step` steps of a path is refined, given that the faces before are not: a
+/// finer block can then only be one that is offset along the last axis. Corners (step = N) are never refined.
 template <int N>
 bool meets_finer(const BlockView<N>& tree, const Simplex<N>& path, int step) {
   if (step == N) return false;
@@ -44,7 +44,7 @@ std::optional<Simplex<N>> cross_block_face(const BlockView<N>& tree, const Simpl
   const std::size_t a = axis_of(simplex, 1);
   Simplex<N> r = simplex;
   r.sign[a] = static_cast<std::int8_t>(-simplex.sign[a]);
-  if (simplex.steps == 1) {  // the block behind the part of the face that t chose
+  if (simplex.steps == 1) {  // the block behind the part of the face that t selects
     for (std::size_t k = 0; k < N; ++k) r.cell[k] = 2 * simplex.cell[k] + (simplex.extra[k] > 0 ? 1 : 0);
     r.cell[a] = simplex.sign[a] > 0 ? 2 * (simplex.cell[a] + 1) : 2 * simplex.cell[a] - 1;
     ++r.level;
@@ -56,8 +56,8 @@ std::optional<Simplex<N>> cross_block_face(const BlockView<N>& tree, const Simpl
   r.cell[a] += simplex.sign[a];
   if (tree.is_leaf(r.level, r.cell)) return r;
   if (r.level == 0) return std::nullopt;
-  // This block lies behind one part of a face of a coarser one. None of the edges of that part can be refined: its
-  // block would touch the coarser one and be finer by two levels.
+  // This block is behind one part of a face of a coarser one. None of the edges of that part is refined: its block
+  // would touch the coarser one and be finer by two levels.
   BlockCell<N> parent;
   for (std::size_t k = 0; k < N; ++k) {
     parent[k] = r.cell[k] >> 1;
@@ -71,7 +71,7 @@ std::optional<Simplex<N>> cross_block_face(const BlockView<N>& tree, const Simpl
   return r;
 }
 
-/// Extends a path of `step` − 1 full steps in all ways and emits the simplices.
+/// Extends a path of `step` − 1 full steps in all directions and emits the simplices.
 template <int N>
 class Enumeration {
  public:
@@ -120,7 +120,7 @@ class Enumeration {
   std::vector<Simplex<N>>& out_;
 };
 
-/// The tree with the neighbourhood of one block looked up beforehand: enumeration asks for the same few blocks often.
+/// View of the tree that caches the neighbourhood of one block, because enumeration queries the same few blocks often.
 template <int N>
 class Neighbourhood final : public BlockView<N> {
  public:
@@ -241,7 +241,7 @@ std::optional<Simplex<N>> pivot(const BlockView<N>& tree, const Simplex<N>& simp
   if (i == 0) return cross_block_face(tree, simplex);
 
   Simplex<N> r = simplex;
-  if (i == N) {  // the end of the path turns round
+  if (i == N) {  // the end of the path reverses
     const std::size_t a = axis_of(simplex, N);
     r.sign[a] = static_cast<std::int8_t>(-r.sign[a]);
     return r;
@@ -249,15 +249,16 @@ std::optional<Simplex<N>> pivot(const BlockView<N>& tree, const Simplex<N>& simp
   const int h = simplex.steps;
   const std::size_t a = axis_of(simplex, i), b = axis_of(simplex, i + 1);
   if (i == h && simplex.extra[b] != simplex.sign[b]) {
-    // v_{h+1} lies in the middle of the refined face, between two of its parts: go to the other part and come back.
+    // v_{h+1} is in the middle of the refined face, between two of its parts: the neighbour passes through the other
+    // part.
     r.extra[b] = static_cast<std::int8_t>(-simplex.extra[b]);
     r.sign[b] = static_cast<std::int8_t>(-simplex.sign[b]);
     return r;
   }
-  // The other way round from v_{i−1} to v_{i+1}: the two steps change places.
+  // The other path from v_{i−1} to v_{i+1}: the two steps are exchanged.
   std::swap(r.axis[static_cast<std::size_t>(i - 1)], r.axis[static_cast<std::size_t>(i)]);
   if (i == h) {
-    // v_{h+1} lies on the rim of the refined face, in a refined face of lower dimension. On the way over b either the
+    // v_{h+1} is on the rim of the refined face, in a refined face of lower dimension. On the path over b either the
     // face of step h is refined too, or the first refined face is that of step h + 1.
     r.extra[b] = 0;
     if (meets_finer(tree, r, i)) {
@@ -266,7 +267,7 @@ std::optional<Simplex<N>> pivot(const BlockView<N>& tree, const Simplex<N>& simp
       r.steps = static_cast<std::uint8_t>(h + 1);
     }
   } else if (i + 1 == h && meets_finer(tree, r, i)) {
-    // The converse: nothing refined up to step h − 1 this way, but on the way over b it is.
+    // The converse: nothing is refined up to step h − 1 on this path, but on the path over b.
     r.extra[a] = simplex.sign[a];
     r.steps = static_cast<std::uint8_t>(i);
   }
@@ -281,7 +282,7 @@ std::optional<Simplex<N>> locate(const BlockView<N>& tree, const std::array<doub
     if (!(std::abs(point[k]) < static_cast<double>(std::numeric_limits<std::int32_t>::max()))) return std::nullopt;
     root[k] = static_cast<std::int32_t>(std::floor(point[k]));
   }
-  // On a face of a block of level 0 the point belongs to the one before as well.
+  // A point on a face of a block of level 0 also belongs to the previous block.
   Simplex<N> s;
   bool found = false, leaf = false;
   for (unsigned subset = 0; subset < 1u << N && !found; ++subset) {
@@ -298,7 +299,7 @@ std::optional<Simplex<N>> locate(const BlockView<N>& tree, const std::array<doub
   }
   if (!found) return std::nullopt;
 
-  // y runs from −1 to 1 in the block; each halving is exact up to the last digits of a double.
+  // y ranges from −1 to 1 in the block; each halving is exact up to the last digits of a double.
   std::array<double, N> y;
   for (std::size_t k = 0; k < N; ++k) y[k] = 2 * (point[k] - s.cell[k]) - 1;
   while (!leaf) {
@@ -324,7 +325,8 @@ std::optional<Simplex<N>> locate(const BlockView<N>& tree, const std::array<doub
   sort_from(1);
   for (int h = 1; h < N; ++h) {
     if (!meets_finer(tree, s, h)) continue;
-    // Seen from v_{h−1} the refined face spans ±reach in the axes left; turn to the part that is hit.
+    // Seen from v_{h−1} the refined face spans ±reach in the remaining axes; the path turns to the part that contains
+    // the point.
     const double reach = std::abs(y[axis_of(s, h)]);
     for (int k = h + 1; k <= N; ++k) {
       const std::size_t a = axis_of(s, k);
@@ -374,7 +376,7 @@ std::vector<Simplex<N>> walk_crossing(const BlockView<N>& tree, std::span<const 
     masks.push_back(static_cast<std::uint8_t>(mask));
   }
 
-  // One front after the other. A pivot replaces one vertex, so a front asks for at most one a simplex.
+  // Processes one front at a time. A pivot replaces one vertex, so a front queries at most one vertex per simplex.
   struct NewVertex {
     std::size_t simplex;
     int place;

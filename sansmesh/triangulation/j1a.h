@@ -1,15 +1,16 @@
-// The J₁ᴬ triangulation in two, three and four dimensions: the simplices of a 2:1 balanced tree of cubic blocks as
-// six-tuples, with closed rules for their vertices and neighbours and no stored topology (castelo2006; METHODS §3.2).
+// The J₁ᴬ triangulation in two, three and four dimensions (castelo2006): the simplices of a 2:1 balanced tree of cubic
+// blocks as six-tuples, with closed rules for their vertices and neighbours and no stored topology.
 //
 // In a block [−1, 1]ᴺ a simplex is a path from the centre v_0 of the block over the centre of a face to those of ever
-// smaller faces and, if nothing is finer nearby, to a corner. Where the path first meets a face (or edge) that a finer
-// neighbour refines, it goes on to the centre of one of the parts of that face, and from there by half steps:
+// smaller faces and, unless a neighbour is finer, to a corner. Where the path first meets a face (or edge) that a finer
+// neighbour refines, it continues to the centre of one of the parts of that face, and from there by half steps:
 //
-//     v_i = v_{i−1} + s_a e_a            a = π_i, i < h
+//     v_i = v_{i−1} + s_a e_a                 a = π_i, i < h
 //     v_h = v_{h−1} + s_a e_a + ½ Σ t_b e_b   a = π_h, b = π_{h+1} … π_N
-//     v_i = v_{i−1} + ½ s_a e_a          a = π_i, i > h
+//     v_i = v_{i−1} + ½ s_a e_a               a = π_i, i > h
 //
-// h = N says that nothing refined is met (v_N is a corner). Every simplex of the tree has exactly one valid tuple.
+// h = N means that the path meets nothing refined (v_N is a corner). Every simplex of the tree has exactly one valid
+// tuple.
 #pragma once
 
 #include <array>
@@ -25,16 +26,16 @@ namespace sansmesh::inline v1 {
 template <int N>
 using BlockCell = std::array<std::int32_t, N>;
 
-/// Vertices are exact integers: multiples of a quarter of the edge of a block of level kDeepestBlockLevel. One block of
-/// level 0 is kLatticeEdge of them wide.
+/// Vertices are exact integers: multiples of a quarter of the edge of a block of level kDeepestBlockLevel. A block of
+/// level 0 is kLatticeEdge units wide.
 constexpr int kDeepestBlockLevel = 28;
 constexpr std::int64_t kLatticeEdge = std::int64_t{4} << kDeepestBlockLevel;
 template <int N>
 using LatticeVertex = std::array<std::int64_t, N>;
 
-/// The tree, as far as the triangulation has to know it. The domain is the union of all leaves; blocks outside do not
-/// exist and count as not finer. Leaves that share a face or an edge differ by at most one level (2:1 balance), and no
-/// level is above kDeepestBlockLevel: everything below relies on that.
+/// Interface of the tree to the triangulation. The domain is the union of all leaves; blocks outside do not exist and
+/// count as not finer. The functions below require that leaves that share a face or an edge differ by at most one level
+/// (2:1 balance), and that no level exceeds kDeepestBlockLevel.
 template <int N>
 class BlockView {
  public:
@@ -70,29 +71,29 @@ int orientation(const Simplex<N>& simplex);
 template <int N>
 bool is_valid(const BlockView<N>& tree, const Simplex<N>& simplex);
 
-/// All simplices of a leaf, 2ᴺ N! of them if nothing is finer nearby, in a fixed order. Throws ArgumentError if the
-/// block is not a leaf.
+/// All simplices of a leaf in a fixed order; 2ᴺ N! of them if no neighbour is finer. Throws ArgumentError if the block
+/// is not a leaf.
 template <int N>
 std::vector<Simplex<N>> simplices_of(const BlockView<N>& tree, int level, const BlockCell<N>& cell);
 
 /// The simplex on the other side of the face opposite v_i, or nothing at the boundary of the domain. Its vertices are
-/// those of `simplex` in the same places, except for v_i; pivot(pivot(S, i), i) = S. `simplex` must be valid. Throws
-/// ArgumentError for i outside 0 … N, and where it notices that the tree is not balanced.
+/// those of `simplex` in the same order, except for v_i; pivot(pivot(S, i), i) = S. `simplex` must be valid. Throws
+/// ArgumentError for i outside 0 … N, and if it detects that the tree is not balanced.
 template <int N>
 std::optional<Simplex<N>> pivot(const BlockView<N>& tree, const Simplex<N>& simplex, int i);
 
-/// A simplex that contains the point, given in edges of a block of level 0; nothing outside the domain. On a common
-/// face of several, the choice is fixed but arbitrary.
+/// A simplex that contains the point, in units of the edge of a block of level 0; nothing outside the domain. The
+/// choice on a common face is fixed but arbitrary.
 template <int N>
 std::optional<Simplex<N>> locate(const BlockView<N>& tree, const std::array<double, N>& point);
 
-/// Says for each vertex whether it is inside (1) or not (0).
+/// Sets for each vertex whether it is inside (1) or not (0).
 template <int N>
 using InsideTest = std::function<void(std::span<const LatticeVertex<N>> vertices, std::span<std::uint8_t> inside)>;
 
 /// All simplices with vertices both inside and outside that can be reached from the seeds by pivoting across faces with
-/// vertices both inside and outside: one component of the level set a crossing seed, breadth first. Seeds that do not
-/// cross are skipped. Each vertex is asked for once, all those of one front in one call.
+/// vertices both inside and outside: one component of the level set for each crossing seed, breadth first. Seeds that
+/// do not cross are skipped. Each vertex is tested once, all those of one front in one call.
 template <int N>
 std::vector<Simplex<N>> walk_crossing(const BlockView<N>& tree, std::span<const Simplex<N>> seeds,
                                       const InsideTest<N>& inside);

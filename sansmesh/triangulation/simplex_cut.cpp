@@ -23,7 +23,7 @@ double cut_determinant(std::array<std::array<double, M>, M> m) {
   return d;
 }
 
-/// All pieces for each choice of the positive vertices.
+/// All pieces for each set of positive vertices.
 template <int N>
 class CutTable {
  public:
@@ -47,7 +47,7 @@ class CutTable {
     if (j + 1 < above.size()) add_paths(below, above, i, j + 1, path, length + 1, out);
   }
 
-  /// With v_0 = 0 and v_i the unit vectors, corners half-way.
+  /// Test on v_0 = 0 and v_i the unit vectors, with corners at the midpoints.
   static CutPiece<N> turned(CutPiece<N> piece) {
     const auto unit = [](std::uint8_t v) {
       std::array<double, N> x{};

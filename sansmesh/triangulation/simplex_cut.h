@@ -1,4 +1,4 @@
-// The zero set of a linear function in a simplex, cut into simplices in the same way from both sides of every face.
+// Zero set of a linear function in a simplex as simplices that agree on both sides of every face.
 #pragma once
 
 #include <array>
@@ -8,21 +8,21 @@
 
 namespace sansmesh::inline v1 {
 
-/// A corner of a piece: the point where the function is zero between vertex `first`, where it is negative, and vertex
-/// `second`, where it is positive.
+/// Corner of a piece: the zero of the function between vertex `first`, where it is negative, and vertex `second`, where
+/// it is positive.
 using CutCorner = std::pair<std::uint8_t, std::uint8_t>;
 template <int N>
 using CutPiece = std::array<CutCorner, N>;
 
-/// The (N − 1)-simplices that {f = 0} consists of in the simplex v_0 … v_N, N = 2, 3 or 4; bit i of `positive` says
-/// that f(v_i) > 0, else it is negative. With k negative and m positive vertices the set is the product of a simplex of
-/// k and one of m corners, here cut by staircases: pairs (negative, positive) of which one step changes one member to
-/// the next. Faces of the simplex are cut as these by themselves, so that pieces of neighbours fit together if both
+/// The (N − 1)-simplices of {f = 0} in the simplex v_0 … v_N, N = 2, 3 or 4. Bit i of `positive` is set if f(v_i) > 0,
+/// else f(v_i) is negative. With k negative and m positive vertices the set is the product of a simplex of k and one of
+/// m corners, here divided by staircases: sequences of pairs (negative, positive) in which each step advances one
+/// member. The restriction to a face of the simplex is the cut of that face, so that pieces of neighbours agree if both
 /// list their common vertices in the same order.
 ///
-/// Of a simplex whose (v_1 − v_0, …, v_N − v_0) is positively oriented, the corners c_0, … and a vector from negative
-/// to positive form the positively oriented (c_1 − c_0, …, c_{N−1} − c_0, vector): the sides of a line and triangles
-/// look towards positive values. Of others the pieces are turned round.
+/// If (v_1 − v_0, …, v_N − v_0) is positively oriented, the corners c_0, … and a vector from negative to positive
+/// values form the positively oriented (c_1 − c_0, …, c_{N−1} − c_0, vector): the sides of a line and triangles face
+/// positive values. Otherwise the pieces are reversed.
 template <int N>
 std::span<const CutPiece<N>> simplex_cut(unsigned positive);
 

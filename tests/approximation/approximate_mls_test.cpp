@@ -22,11 +22,11 @@ std::vector<double> evaluated(const ApproximateMls<D>& mls, const std::vector<Po
   return values;
 }
 
-// Largest error far from the boundary of a grid on [0, 1]^D.
+// Largest error on a grid on [0, 1]^D, far from the boundary.
 template <int D>
 double interior_error(int order, std::size_t n, double shape) {
   const double h = 1.0 / static_cast<double>(n);
-  // The grid goes on around the box, hence the boundary does not show.
+  // The grid continues around the box, so that its boundary has no effect.
   const auto margin = static_cast<std::size_t>(D == 3 ? 9 : 12);
   const auto x = test::grid<D>(n + 2 * margin + 1, -h * static_cast<double>(margin), h);
   ApproximateMlsOptions options;
@@ -56,7 +56,7 @@ TEST(ApproximateMls, ConvergesWithItsOrderOnRegularSamples) {
   }
 }
 
-// Dense K of the φ_j, from the formula.
+// Dense K of the φ_j, computed by the formula.
 template <int D>
 Eigen::MatrixXd dense(const std::vector<Position<D>>& a, const std::vector<Position<D>>& b, int order, double shape,
                       double h) {
@@ -74,7 +74,7 @@ Eigen::MatrixXd divided(Eigen::MatrixXd m, const Eigen::MatrixXd& gaussians) {
   return m;
 }
 
-// On irregular samples, some twice as dense as others.
+// Irregular samples, some of double density.
 template <int D>
 void check_limit(int order, Normalisation normalisation, const std::vector<Position<D>>& x, double shape,
                  int iterations) {
@@ -96,7 +96,7 @@ void check_limit(int order, Normalisation normalisation, const std::vector<Posit
   const Eigen::MatrixXd at = dense<D>(points, x, order, shape, mls.spacing());
   Eigen::VectorXd interpolant;
   if (normalisation == Normalisation::kPartition) {
-    // The interpolant of the divided functions.
+    // Interpolant of the divided functions.
     const double h = mls.spacing();
     interpolant = divided(at, dense<D>(points, x, 2, shape, h)) *
                   divided(k, dense<D>(x, x, 2, shape, h)).partialPivLu().solve(rhs);
@@ -137,7 +137,7 @@ TEST(ApproximateMls, PrecomputedCoefficientsAreTheIteration) {
     const Eigen::MatrixXd a =
         divided(dense<2>(x, x, order, shape, mls.spacing()), dense<2>(x, x, 2, shape, mls.spacing()));
     const Eigen::Map<const Eigen::VectorXd> rhs(f.data(), static_cast<Eigen::Index>(f.size()));
-    // METHODS §1.5, word by word: the approximation of the residual is added n times.
+    // The definition (fasshauer2007): the approximation of the residual is added n times.
     Eigen::VectorXd m = a * rhs;
     for (int i = 0; i < n; ++i) m += a * (rhs - m);
     const auto values = evaluated<2>(mls, x);
@@ -160,7 +160,7 @@ void check_gradients() {
       options.order = order;
       options.normalisation = normalisation;
       options.iterations = 2;
-      options.cutoff = 1e-13;  // so that differences do not see supports end
+      options.cutoff = 1e-13;  // differences must not see the ends of supports
       const ApproximateMls<D> mls(x, f, options);
       ASSERT_EQ(mls.components(), 2u);
       const auto points = test::random_positions<D>(20, 22, 0.05, 0.95);
@@ -191,7 +191,7 @@ TEST(ApproximateMls, PartitionKeepsConstants) {
   for (const double v : evaluated<3>(mls, test::random_positions<3>(50, 3))) EXPECT_NEAR(v, 7.5, 1e-12);
 }
 
-// Every sample left out in turn and everything computed anew.
+// Leaves out each sample in turn and recomputes everything.
 TEST(ApproximateMls, LeavingOneOutIsWhatItSays) {
   const auto x = test::random_positions<2>(160, 31);
   const auto f = test::sampled<2>(x, smooth<2>);
@@ -233,11 +233,12 @@ TEST(ApproximateMls, ChoosesFewIterationsForNoiseAndManyForCleanValues) {
   EXPECT_GE(for_clean.iterations, 15);
   EXPECT_LE(for_noisy.iterations, 4);
   EXPECT_LT(for_clean.error, 0.005);
-  // No prediction of a noisy value is better than the noise, which has a deviation of 1/√12; a good one hardly worse.
+  // No prediction of a noisy value has a smaller error than the noise, whose deviation is 1/√12; a good one has hardly
+  // more.
   EXPECT_GT(for_noisy.error, 0.9 / std::sqrt(12.0));
   EXPECT_LT(for_noisy.error, 1.2 / std::sqrt(12.0));
   EXPECT_LE(for_noisy.shape, for_clean.shape);
-  // What is chosen for the noisy values is nearer to the truth than the samples are.
+  // The approximation of the noisy values is nearer to the truth than the samples are.
   ApproximateMlsOptions options;
   options.shape = for_noisy.shape, options.iterations = for_noisy.iterations;
   const auto values = evaluated<2>(ApproximateMls<2>(x, noisy, options), x);
@@ -290,7 +291,7 @@ TEST(ApproximateMls, BadInput) {
   auto bad = f;
   bad[4] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(ApproximateMls<2>(x, bad), DataError);
-  // Without normalisation a dense cloud diverges and says so.
+  // Without normalisation a dense cloud diverges and is reported.
   EXPECT_THROW(with([](auto& o) {
                  o.normalisation = Normalisation::kNone;
                  o.spacing = 1;

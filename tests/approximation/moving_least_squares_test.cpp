@@ -62,10 +62,10 @@ TEST(MovingLeastSquares, ReproducesPolynomialsOfItsDegree) {
 template <int D>
 void check_gradients(std::size_t n, int degree, const MovingLeastSquaresOptions& options) {
   auto x = test::random_positions<D>(n, 73);
-  for (auto& p : x) p[0] *= p[0];  // density falls towards the right
+  for (auto& p : x) p[0] *= p[0];  // density decreases to the right
   auto f = test::sampled<D>(x, smooth<D>);
   std::mt19937 random(7);
-  for (double& v : f) v += test::uniform(random, -0.2, 0.2);  // large residuals: the weights' derivative matters
+  for (double& v : f) v += test::uniform(random, -0.2, 0.2);  // large residuals make the weights' derivative matter
   MovingLeastSquaresOptions all = options;
   all.degree = degree;
   const MovingLeastSquares<D> mls(x, f, all);
@@ -106,7 +106,7 @@ double largest_error(int degree, std::size_t n) {
   return worst;
 }
 
-// Order degree + 1.
+// The order of convergence is degree + 1.
 TEST(MovingLeastSquares, ConvergesWithItsOrder) {
   for (int degree = 0; degree <= 4; ++degree) {
     const double in_2d = std::log2(largest_error<2>(degree, 16) / largest_error<2>(degree, 32));
@@ -119,7 +119,7 @@ TEST(MovingLeastSquares, ConvergesWithItsOrder) {
 }
 
 TEST(MovingLeastSquares, FallsBackWhereSamplesAreFewOrFlat) {
-  // One sample, two, coincident ones: lower degrees.
+  // One sample, two samples and coincident samples lower the degree.
   std::vector<std::int8_t> degrees(1);
   std::vector<double> value(1);
   std::vector<Position<2>> gradient(1);
@@ -134,12 +134,12 @@ TEST(MovingLeastSquares, FallsBackWhereSamplesAreFewOrFlat) {
   const std::vector<Position<2>> same(20, {0.3, 0.3});
   const MovingLeastSquares<2> coincident(same, std::vector<double>(20, -1.0));
   EXPECT_NEAR(evaluated<2>(coincident, {{0.3, 0.31}})[0], -1, 1e-12);
-  // Far from all samples: the nearest value.
+  // Far from all samples the value is the nearest one.
   coincident.evaluate(std::vector<Position<2>>{{1e6, 0}}, value, gradient, degrees);
   EXPECT_EQ(value[0], -1);
   EXPECT_EQ(degrees[0], -1);
   EXPECT_EQ(gradient[0][0], 0);
-  // Samples in a plane of space: as in the plane.
+  // Samples in a plane of space give the result of the plane.
   auto flat = test::random_positions<3>(300, 4);
   for (auto& p : flat) p[2] = 0.5 * p[0] + 0.2 * p[1];
   const auto f = [](const Position<3>& p) { return 1 + p[0] * p[1] - p[1] * p[1]; };

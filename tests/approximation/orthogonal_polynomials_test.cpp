@@ -40,7 +40,7 @@ double uniform(std::mt19937& random, double low, double high) {
   return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
 }
 
-// Off-centre, anisotropic, values of a smooth function.
+// Off-centre, anisotropic samples with values of a smooth function.
 template <int D>
 Cloud<D> random_cloud(std::size_t n, bool weighted, unsigned seed) {
   std::mt19937 random(seed);
@@ -71,7 +71,7 @@ std::array<double, D> local(const ApproximationFrame<D>& frame, std::array<doubl
   return x;
 }
 
-// Weighted inner products of the functions ψ_j, evaluated afresh at the samples.
+// Weighted inner products of the functions ψ_j, evaluated again at the samples.
 template <int D>
 Eigen::MatrixXd basis_matrix(const OrthogonalFit<D>& fit, const Cloud<D>& cloud) {
   Eigen::MatrixXd m(cloud.size(), fit.size());
@@ -85,7 +85,7 @@ Eigen::MatrixXd basis_matrix(const OrthogonalFit<D>& fit, const Cloud<D>& cloud)
   return m;
 }
 
-// The slow reference: QR of the weighted monomials, minimum-norm where they are dependent.
+// Slow reference: QR of the weighted monomials, with the minimum norm where they are dependent.
 template <int D>
 Eigen::VectorXd reference_residual(const Cloud<D>& cloud, const ApproximationFrame<D>& frame, int degree,
                                    Eigen::VectorXd* coefficients = nullptr) {
@@ -135,7 +135,7 @@ void check_against_qr(std::size_t n, bool weighted, int degree, unsigned seed) {
     EXPECT_NEAR(a[static_cast<std::size_t>(j)], x[j], 1e-7 * (1 + x.cwiseAbs().maxCoeff()));
   EXPECT_EQ(a.back(), 0);
 
-  // The recurrence, the monomials and differences agree between the samples.
+  // The recurrence, the monomials and finite differences agree between the samples.
   std::mt19937 random(seed);
   for (int trial = 0; trial < 20; ++trial) {
     std::array<double, D> p;
@@ -168,7 +168,8 @@ TEST(OrthogonalFit, IsOrthogonalAndEqualsQr) {
   check_against_qr<3>(900, true, 6, ++seed);
 }
 
-// Nearly collinear samples: what is left of a row after subtraction is mostly rounding unless that is repaired.
+// On nearly collinear samples the remainder of a row after subtraction is mostly rounding, unless it is orthogonalised
+// again.
 TEST(OrthogonalFit, StaysOrthogonalOnThinSets) {
   for (const double width : {1e-2, 1e-3, 1e-4, 1e-5}) {
     std::mt19937 random(21);
@@ -226,7 +227,7 @@ TEST(OrthogonalFit, RaisingTheDegreeEqualsFittingAfresh) {
     EXPECT_LE(grown.squared_error(), before);
     before = grown.squared_error();
     OrthogonalFit<3> fresh;
-    fresh.reset(random_cloud<3>(40, false, 6).view());  // what it held before must not matter
+    fresh.reset(random_cloud<3>(40, false, 6).view());  // earlier content must not matter
     while (fresh.degree() < 2) fresh.raise();
     fresh.reset(cloud.view());
     while (fresh.size() < monomial_count(3, degree)) fresh.add_polynomial();
@@ -273,7 +274,7 @@ TEST(OrthogonalFit, SkippedProductsVanishAndReusedOnesAgree) {
   }
 }
 
-// On samples that cannot tell all polynomials apart: finite, and still the least-squares solution.
+// Samples that do not separate all polynomials: the result is finite and still the least-squares solution.
 template <int D>
 void check_deficient(const Cloud<D>& cloud, int degree, int expected_rank) {
   OrthogonalFit<D> fit;

@@ -39,7 +39,7 @@ void check_order() {
     ASSERT_LT(p, j);
     EXPECT_EQ(order.product(step.variable, p), j);
     EXPECT_EQ(step.degree, order[p].degree + 1);
-    // METHODS: alpha_jl vanishes for l < j''. The range used is at least as small.
+    // bartels1985: alpha_jl vanishes for l < j''. The range used is at least as small.
     EXPECT_GE(step.first, order[p].predecessor);
     EXPECT_EQ(static_cast<int>(step.terms.size()), j - step.first);
     for (int l = 0; l + 1 < monomial_count(D, PolynomialOrder<D>::kMaxDegree - 1); ++l)

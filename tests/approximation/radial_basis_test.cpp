@@ -74,7 +74,7 @@ TEST(RbfInterpolant, InterpolatesWithEveryFunctionAndSolver) {
   }
 }
 
-// The sparse and the dense solution are one function, and so are the local and the dense one if one ball holds all.
+// The sparse and the dense solution agree, and so do the local and the dense one if one ball holds all samples.
 TEST(RbfInterpolant, SolversAgree) {
   const auto x = test::random_positions<3>(400, 93);
   const auto f = test::sampled<3>(x, smooth<3>);
@@ -99,7 +99,7 @@ TEST(RbfInterpolant, SolversAgree) {
 
 TEST(RbfInterpolant, ReproducesPolynomialsOfItsDegree) {
   const auto x = test::random_positions<3>(500, 97, 100, 101);
-  const auto points = test::random_positions<3>(40, 98, 99.5, 101.5);  // outside as well
+  const auto points = test::random_positions<3>(40, 98, 99.5, 101.5);  // also outside
   for (int degree = 0; degree <= 2; ++degree) {
     const auto f = [&](const Position<3>& p) {
       return degree == 0 ? 3.0 : degree == 1 ? 1 + p[0] - 2 * p[2] : (p[0] - 100) * (p[1] - 100) - 2 * p[2];
@@ -116,7 +116,7 @@ TEST(RbfInterpolant, ReproducesPolynomialsOfItsDegree) {
   }
 }
 
-// Interpolants of polyharmonic splines do not know the unit of length.
+// Interpolants of polyharmonic splines do not depend on the unit of length.
 TEST(RbfInterpolant, ScalesWithItsSamples) {
   const auto x = test::random_positions<2>(150, 99);
   const auto f = test::sampled<2>(x, smooth<2>);
@@ -171,7 +171,7 @@ TEST(RbfInterpolant, ManySamplesSparseAndLocal) {
   EXPECT_LT(worst_error<3>(local, some, {f.begin(), f.begin() + 500}), 1e-9);
 }
 
-// A dense cluster beside few samples: still interpolating, still bounded systems.
+// With a dense cluster beside few samples it still interpolates, with bounded systems.
 TEST(RbfInterpolant, LocalSystemsFollowTheDensity) {
   auto x = test::random_positions<2>(3000, 105, 0.5, 0.5001);
   const auto wide = test::random_positions<2>(300, 106);
@@ -228,7 +228,7 @@ TEST(RbfInterpolant, BadInput) {
   const auto many = test::random_positions<2>(5000, 2);
   EXPECT_THROW(Rbf(many, std::vector<double>(5000), {.solver = RbfSolver::kDense}), ArgumentError);
   EXPECT_THROW(Rbf(many, f, {}), ArgumentError);
-  // Conjugate gradients that may not iterate say so.
+  // Conjugate gradients without enough iterations throw.
   EXPECT_THROW(Rbf(many, test::sampled<2>(many, smooth<2>),
                    {.function = RadialFunction::kWendlandC4, .scale = 0.2, .max_iterations = 1}),
                DataError);

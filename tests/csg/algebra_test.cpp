@@ -1,4 +1,4 @@
-// What holds between solids: the laws of sets, blends, volumes.
+// Properties of combinations: the laws of sets, blends, volumes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ using namespace test;
 using namespace csg;
 constexpr double kPi = std::numbers::pi;
 
-/// The same solid, but another node: no shortcut for equal ones applies.
+/// The same solid as a different node, to which no shortcut for equal nodes applies.
 Solid copied(const Solid& s) { return translate(s, {}); }
 
 void expect_same(const Solid& a, const Solid& b, const std::string& what) {
@@ -50,7 +50,7 @@ TEST(Algebra, LawsOfSets) {
 }
 
 TEST(Algebra, CombinationsAreMinimaAndMaxima) {
-  // Neither the order of evaluation nor leaving out what is far shows.
+  // Neither the order of evaluation nor the exclusion of distant parts has an effect.
   const std::vector<NamedSolid> all = catalogue();
   const std::vector<Vec3> x = random_points(3000, 6);
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -98,7 +98,7 @@ TEST(Algebra, BlendsKeepWithinTheirRadius) {
         ASSERT_GE(u[k], least - r / 4 - 1e-15);
         ASSERT_GE(n[k], largest);
         ASSERT_LE(n[k], largest + r / 4 + 1e-15);
-        // Who is farther than r from one of the surfaces is as inside as without the blend.
+        // A point farther than r from one of the surfaces is inside with the blend if and only if it is without.
         ASSERT_TRUE(largest <= r || (u[k] < 0) == (least < 0));
         ASSERT_TRUE(least >= -r || (n[k] < 0) == (largest < 0));
       }
@@ -106,7 +106,7 @@ TEST(Algebra, BlendsKeepWithinTheirRadius) {
 }
 
 TEST(Algebra, BlendsAreSmooth) {
-  // Two planes: the gradient turns steadily along a line across the crease and the ends of the blend.
+  // Two planes: the gradient rotates continuously along a line across the crease and the ends of the blend.
   const double r = 0.5;
   const Solid blend = unite(half_space({1, 0, 0}, 0), half_space({0, 1, 0}, 0), r);
   const Solid hollow = subtract(half_space({1, 0, 0}, 0), half_space({0, -1, 0}, 0), r);
@@ -126,7 +126,7 @@ TEST(Algebra, BlendsAreSmooth) {
   EXPECT_NEAR(value_at(blend, {r / 4, r / 4, 0}), 0, 1e-15);
 }
 
-/// Share of random points in a cube, times its volume.
+/// Share of random points inside a cube, times its volume.
 double counted_volume(const Solid& s, double reach, std::size_t count) {
   const std::vector<double> v = values_of(s, random_points(count, reach, 3));
   return static_cast<double>(std::count_if(v.begin(), v.end(), [](double f) { return f < 0; })) /
@@ -168,7 +168,7 @@ TEST(Algebra, VolumesOfKnownSolids) {
   }
 }
 
-/// The fillet between two perpendicular planes fills r²/12·… of their corner, by the formula of the blend.
+/// Cross-section of the fillet between two perpendicular planes, by the formula of the blend.
 TEST(Algebra, BlendsAddWhatTheirFormulaSays) {
   SANSMESH_NOT_SANITIZED("judges values; others evaluate blends, too");
   // Zero set in the corner a, b ≥ 0: (a + b)/2 = (r² + (a − b)²)/(4r). With s = a + b and d = a − b the added area is

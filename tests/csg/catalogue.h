@@ -1,4 +1,4 @@
-// Solids to try properties on: each primitive, each operation, and trees of several.
+// Solids for property tests: each primitive, each operation, and trees of several.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-// Unions and intersections of many parts: the same as one after the other, and only near parts are asked.
+// Unions and intersections of many parts: equal to sequential combinations, but only near parts are evaluated.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ struct Parts {
   Solid together;
 };
 
-/// Parts of all kinds, some turned, some without an end, as a union or as what is left between them.
+/// Parts of all kinds, some rotated, some unbounded, as a union or as the space between them.
 Parts many_parts(std::size_t count, bool intersection) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> place(-2, 2), size(0.05, 0.3);
@@ -73,7 +73,7 @@ TEST(Group, IsWhatItsPartsSay) {
 }
 
 /// Solids with faces in the same planes, and points on the planes half-way between them, where two or more values are
-/// the same to the last digit or differ by it.
+/// equal or differ by rounding.
 std::vector<Solid> solids_with_ties() {
   std::vector<Solid> all;
   Solid row = csg::box({0, 0, 0}, {1, 1, 1}), turned = row, between = csg::complement(row);
@@ -145,7 +145,7 @@ TEST(Group, SurveysTellHowFarAPieceIsAlone) {
   EXPECT_GT(known, 200u);
 }
 
-/// A ball that counts how often it is asked.
+/// A ball that counts its evaluations.
 class CountedBall final : public ScalarField {
  public:
   CountedBall(const Vec3& center, double radius, std::atomic<std::size_t>& asked)
@@ -188,7 +188,7 @@ TEST(Group, FewOfAThousandPartsAreAsked) {
   }
 }
 
-/// As deep as they come: what takes turns between unions and differences.
+/// Nodes at the maximum depth that alternate between unions and differences.
 TEST(Group, NestedGroupsAskEachPartAboutOnce) {
   constexpr std::size_t kDepth = 480;
   std::atomic<std::size_t> asked = 0;

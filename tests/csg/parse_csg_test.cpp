@@ -55,7 +55,7 @@ TEST(ParseCsg, MeansWhatTheFunctionsDo) {
       {"~~~a", complement(kA)},
       {"~a & b", intersect(complement(kA), kB)},
       {"~(a & b)", complement(intersect(kA, kB))},
-      // & before | + -, and those from the left
+      // & binds stronger than | + -, which associate to the left
       {"a | b & c", unite(kA, intersect(kB, kC))},
       {"a & b | c", unite(intersect(kA, kB), kC)},
       {"a - b & c", subtract(kA, intersect(kB, kC))},
@@ -127,7 +127,7 @@ TEST(ParseCsg, BlanksDoNotMatter) {
 TEST(ParseCsg, ErrorsNamePlaceAndRemedy) {
   struct Case {
     const char* text;
-    const char* error;  ///< what the message begins with
+    const char* error;  ///< beginning of the message
   };
   const Case cases[] = {
       {"", "expression: empty"},
@@ -167,8 +167,8 @@ TEST(ParseCsg, ErrorsNamePlaceAndRemedy) {
       {"sphere(1, 0, 0)", "expression at 15: sphere: center has three numbers: expected ',', found ')'"},
       {"sphere(1, (0,0,0), 4)", "expression at 20: sphere: too many arguments: it takes r, center"},
       {"sphere(r=1, (0,0,0))", "expression at 13: sphere: arguments without a name come before those with one"},
-      {"box()", "expression at 1: box: give size= and perhaps center=, or both from= and to="},
-      {"box(1, from=(0,0,0))", "expression at 1: box: give size= and perhaps center=, or both from= and to="},
+      {"box()", "expression at 1: box: needs size= and optionally center=, or both from= and to="},
+      {"box(1, from=(0,0,0))", "expression at 1: box: needs size= and optionally center=, or both from= and to="},
       {"box(1, r=0.6)", "expression at 1: box: r must lie between 0 and half the shortest edge"},
       {"torus(R=1, r=2)", "expression at 1: torus: r must be less than R"},
       {"cylinder(1, axis=w)", "expression at 18: cylinder: axis is x, y, z, -x, … or (x, y, z), not 'w'"},
@@ -228,7 +228,7 @@ TEST(ParseCsg, HugeAndDeepInputsEndWell) {
   EXPECT_NO_THROW(parse_csg(std::string(100000, '~') + "a", load));
   EXPECT_THROW(parse_csg(std::string(2000000, 'a'), load), ArgumentError);
 
-  // Long sums are no deep trees; ones that alternate are, and say so.
+  // Long sums are not deep trees; alternating ones are, and are rejected.
   std::string sum = "sphere(1)", mixed = "a";
   for (int i = 0; i < 20000; ++i) sum += " | sphere(1, center=(" + std::to_string(i) + ", 0, 0))";
   const Solid many = parse_csg(sum, load);
@@ -264,7 +264,7 @@ TEST(ParseCsg, DeepExpressionsTakeNoLongerThanTheirParts) {
   EXPECT_EQ(values_of(parse_csg(turns, load), x), values_of(parse_csg("box(3)", load), x));
   EXPECT_EQ(values_of(parse_csg(nested, load), x),
             values_of(parse_csg("(sphere(1) - sphere(0.9)) | box(0.5)", load), x));
-  // Shells of shells are twice as many surfaces each time.
+  // Each nesting of shells doubles the number of surfaces.
   std::string shells = "sphere(1)";
   for (int i = 0; i < 24; ++i) shells = "shell(" + shells + ", 0.01)";
   EXPECT_EQ(parse_csg(shells, load).expression(1e-9), nullptr);

@@ -1,4 +1,4 @@
-// Expressions made at random say what their parts say one after the other, for one point and for many.
+// Random expressions equal the combination of their parts, for one point and for many.
 #include <fmt/core.h>
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ namespace {
 
 using namespace test;
 
-/// A text, and the value that it means.
+/// A text, and its expected value.
 struct Meaning {
   std::string text;
   std::function<double(const Vec3&)> value;
@@ -33,7 +33,7 @@ class Writer {
  public:
   explicit Writer(unsigned seed) : random_(seed) {}
 
-  /// Alternations, as long as they come: what the parser makes of them is as deep.
+  /// Long alternations, which the parser turns into equally deep trees.
   Meaning chain(int links, int depth) {
     Meaning all = expression(depth);
     for (int k = 0; k < links; ++k) {
@@ -78,7 +78,7 @@ class Writer {
 
  private:
   int pick(int n) { return std::uniform_int_distribution<int>(0, n - 1)(random_); }
-  /// Of few digits, so that many parts have faces in the same planes.
+  /// Lengths of few digits, so that many parts have faces in the same planes.
   double length() { return 0.1 * (1 + pick(12)); }
   Vec3 place() { return {0.1 * (pick(21) - 10), 0.1 * (pick(21) - 10), 0.1 * (pick(21) - 10)}; }
   Vec3 direction() {
@@ -194,7 +194,7 @@ class Writer {
   std::mt19937 random_;
 };
 
-/// Places of few digits, where faces meet, and others.
+/// Points of few digits, where faces meet, and others.
 std::vector<Vec3> places_to_ask() {
   std::vector<Vec3> x = random_points(150, 3);
   std::mt19937 random(11);
@@ -213,7 +213,7 @@ void expect_as_meant(const Meaning& meant, const std::vector<Vec3>& x) {
   solid.evaluate(x, value, gradient);
   solid.active(x, piece);
   auto expression = solid.expression(1e-12);
-  if (expression && expression->nodes().size() > 2000) expression = nullptr;  // all of them are asked at each point
+  if (expression && expression->nodes().size() > 2000) expression = nullptr;  // each point evaluates all of them
   const Box3 box = solid.bounds();
   for (std::size_t i = 0; i < x.size(); ++i) {
     const auto at = std::span<const Vec3>(x).subspan(i, 1);

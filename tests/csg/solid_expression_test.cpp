@@ -1,4 +1,4 @@
-// Minima and maxima of smooth functions: blends of many parts ask only those near by, and say the same.
+// Minima and maxima of smooth functions: blends of many parts evaluate only near ones, with the same result.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ std::vector<Vec3> places(std::size_t count, double wide) {
   return x;
 }
 
-/// Shells of a box are of few planes, but each is twice as many nodes as the one before; most of these are equal.
+/// Shells of a box have few planes, but each doubles the number of nodes; most of these are equal.
 TEST(SolidExpression, NestedShellsAreFewNodesOrNone) {
   Solid shells = csg::box({0, 0, 0}, {1, 1, 1});
   for (int depth = 1; depth <= 22; ++depth) {
@@ -46,7 +46,7 @@ TEST(SolidExpression, NestedShellsAreFewNodesOrNone) {
     EXPECT_EQ(expression == nullptr, depth > 16) << depth;
     if (!expression) continue;
     EXPECT_LT(expression->nodes().size(), 4000u) << depth;
-    // The least and greatest values of the pieces are those of the solid.
+    // The minima and maxima of the pieces equal the values of the solid.
     std::vector<double> expected(200);
     const std::vector<Vec3> x = random_points(expected.size(), 1.5);
     shells.evaluate(x, expected);

@@ -1,4 +1,4 @@
-// What holds for each solid by itself: gradients, pieces, boxes, distances.
+// Properties of each solid: gradients, pieces, boxes, distances.
 #include "sansmesh/csg/solid.h"
 
 #include <gtest/gtest.h>
@@ -68,8 +68,8 @@ TEST(Solid, PiecesAreTheField) {
   }
 }
 
-/// The other side of the same promise: where the piece changes between two points close together, both pieces are the
-/// value there, so that a jump of the number is always a crease or a smooth transition and never a jump of the field.
+/// Where the piece changes between two close points, both pieces have the value of the solid there, so that a change of
+/// the piece is a crease or a smooth transition, never a jump of the field.
 TEST(Solid, PiecesMeetWhereTheyChange) {
   const std::vector<Vec3> x = random_points(20000);
   const double step = 1e-3;
@@ -93,13 +93,13 @@ TEST(Solid, PiecesMeetWhereTheyChange) {
   }
 }
 
-/// Within the radius that a survey names there is no other piece, and it names one where it can.
+/// Within the radius that a survey returns there is no other piece, and it returns one where possible.
 TEST(Solid, SurveysAreTrue) {
   const std::vector<Vec3> x = random_points(4000), directions = random_points(40, 1, 9);
   for (const NamedSolid& s : catalogue()) {
     std::vector<double> values(x.size());
     std::vector<Surroundings> around(x.size());
-    constexpr double kReach = 0.1;  // farther out, only what is known of slopes tells
+    constexpr double kReach = 0.1;  // farther out, only slopes are known
     s.solid.survey(x, {0.05, kReach}, values, around);
     EXPECT_EQ(values, values_of(s.solid, x)) << s.name;
     std::vector<std::uint32_t> here(x.size());
@@ -121,7 +121,7 @@ TEST(Solid, SurveysAreTrue) {
   }
 }
 
-/// No value in a ball lies outside of its range, and where the ball is small, the range is.
+/// No value in a ball is outside of its range, and small balls have small ranges.
 TEST(Solid, RangesHoldTheValues) {
   SANSMESH_NOT_SANITIZED("judges bounds; others evaluate the same");
   const std::vector<Vec3> x = random_points(2000), directions = random_points(40, 1, 9);
@@ -133,7 +133,7 @@ TEST(Solid, RangesHoldTheValues) {
       for (std::size_t i = 0; i < x.size(); ++i) {
         ASSERT_LE(ranges[i].least, values[i]) << s.name;
         ASSERT_GE(ranges[i].most, values[i]) << s.name;
-        // The steepest of them is the quadric, in the corners of the box of points.
+        // The steepest solid is the quadric, at the corners of the box of points.
         ASSERT_LE(ranges[i].most - ranges[i].least, 25 * radius) << s.name;
         std::vector<Vec3> y;
         for (const Vec3& d : directions) y.push_back(x[i] + d * (radius / std::max(norm(d), 1.0)));
@@ -146,7 +146,7 @@ TEST(Solid, RangesHoldTheValues) {
   }
 }
 
-/// What is said of a field without evaluating it changes nothing but the time that it takes.
+/// Knowledge of a field changes the time of evaluation, but no value.
 TEST(Solid, KnowledgeOfFieldsChangesNoValue) {
   class Known final : public csg::FieldKnowledge {
    public:
@@ -200,14 +200,14 @@ TEST(Solid, KnowsHowThinItsPartsAre) {
   EXPECT_DOUBLE_EQ(unite(ball, plate).thickness(), 0.2);
   EXPECT_DOUBLE_EQ(subtract(ground, ball, 0.1).thickness(), 1);
   EXPECT_DOUBLE_EQ(twice(ball).thickness(), 2);
-  // Offsets make parts thicker, and holes thinner until they are gone.
+  // Offsets make parts thicker, and holes thinner until they vanish.
   EXPECT_DOUBLE_EQ(offset(unite(ball, plate), 0.3).thickness(), 0.8);
   EXPECT_DOUBLE_EQ(offset(ball, -0.3).thickness(), 0.4);
   EXPECT_DOUBLE_EQ(offset(subtract(ground, ball), 0.3).thickness(), 0.4);
   EXPECT_EQ(offset(subtract(ground, ball), 0.6).thickness(), kNone);
   EXPECT_DOUBLE_EQ(offset(offset(ball, -0.6), 0.6).thickness(), 1);
   EXPECT_DOUBLE_EQ(unite(offset(ball, -0.6), plate).thickness(), 0.2);
-  // Of a shell the wall, what is left inside, or a part that is thinner than the wall.
+  // For a shell: the wall, the inner space, or a part that is thinner than the wall.
   EXPECT_DOUBLE_EQ(shell(unite(ground, sphere({}, 0.01)), 0.1, ShellSide::inside).thickness(), 0.02);
   EXPECT_DOUBLE_EQ(shell(ball, 0.1).thickness(), 0.1);
   EXPECT_DOUBLE_EQ(shell(ball, 0.45, ShellSide::inside).thickness(), 0.1);
@@ -263,7 +263,7 @@ TEST(Solid, BoxesKnowWhatIsUnbounded) {
   const Box3 pipe = cylinder({1, 2, 3}, {0, 1, 0}, 0.5).bounds();
   EXPECT_EQ(pipe.lower, (Vec3{0.5, -kInfinity, 2.5}));
   EXPECT_EQ(pipe.upper, (Vec3{1.5, kInfinity, 3.5}));
-  // Cut off on both sides it is finite, turned by quarter turns exactly so.
+  // Cut off on both sides it is bounded, exactly so after quarter turns.
   const Solid cut =
       subtract(intersect(cylinder({}, {0, 0, 1}, 1), half_space({0, 0, 1}, 2)), half_space({0, 0, 1}, -3));
   EXPECT_EQ(cut.bounds().lower, (Vec3{-1, -1, -3}));
@@ -287,7 +287,7 @@ TEST(Solid, DistancesAreDistances) {
     for (std::size_t i = 0; i < x.size() && s.name.find("field") == std::string::npos; ++i)
       ASSERT_LE(std::abs(v[i] - w[i]), norm(x[i] - y[i]) * (1 + 1e-12)) << s.name;
     if (!s.exact) continue;
-    // The foot point that value and gradient name lies on the surface, and nothing nearer does.
+    // The foot point given by value and gradient is on the surface, and no nearer point is.
     for (std::size_t i = 0; i < x.size(); ++i) ASSERT_NEAR(value_at(s.solid, x[i] - v[i] * g[i]), 0, 1e-9) << s.name;
   }
 }
@@ -319,7 +319,7 @@ TEST(Solid, ManyThreadsAndBatchesMakeNoDifference) {
   }
 }
 
-/// Counts the points that it is asked for.
+/// Counts the points of its evaluations.
 class CountingField final : public ScalarField {
  public:
   mutable std::atomic<std::size_t> asked{0};
@@ -341,7 +341,7 @@ TEST(Solid, FieldsFarAwayAreNotAsked) {
   const std::vector<double> v = values_of(both, x);
   EXPECT_EQ(field->asked, 0u);
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_DOUBLE_EQ(v[i], norm(x[i] - Vec3{5, 0, 0}) - 1);
-  // As a tool, too: far from it the other solid alone counts.
+  // The same for a subtracted tool: far from it only the other solid counts.
   const Solid cut = csg::subtract(csg::sphere({5, 0, 0}, 1), csg::leaf(field));
   EXPECT_EQ(values_of(cut, x), values_of(csg::sphere({5, 0, 0}, 1), x));
   EXPECT_EQ(field->asked, 0u);

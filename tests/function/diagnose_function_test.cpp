@@ -52,7 +52,7 @@ TEST(Diagnose, AClusterOfStraysIsAnExtraSheetAndItsEditTakesItAway) {
   EXPECT_LT(norm(extra[0].position - Vec3{1.5, 0.2, 0}), 0.05);
   EXPECT_LT(extra[0].radius, 0.25);
   ASSERT_TRUE(extra[0].edit);
-  // Coloured where it is, and only there.
+  // Only the stray vertices are coloured.
   std::size_t colored = 0;
   for (std::size_t v = 0; v < d.mesh.vertices.size(); ++v) {
     const bool strays = d.mesh.origin.x + static_cast<double>(d.mesh.vertices[v].x) > 1.3;
@@ -71,7 +71,7 @@ TEST(Diagnose, AClusterOfStraysIsAnExtraSheetAndItsEditTakesItAway) {
 }
 
 TEST(Diagnose, AShiftedPatchHasHighErrorsAlongItsRim) {
-  // Two scans of a sphere, one of which sees a cap a spacing too high.
+  // Two scans of a sphere, one of which has a cap one spacing too high.
   PointSet cloud = sphere(8000);
   const std::size_t n = cloud.size();
   for (std::size_t i = 0; i < n; i += 2)
@@ -156,7 +156,7 @@ double lost(const FittedFunction& function) {
   return report.lost;
 }
 
-/// Share that is lost after all edits that are proposed.
+/// Share of lost samples after all proposed edits.
 double lost_after(const FittedFunction& function, const Diagnosis& d) {
   FunctionEditor editor(function);
   Progress progress;
@@ -177,7 +177,7 @@ TEST(Diagnose, WhatSamplesStandForIsNoStrayInAScene) {
   EXPECT_EQ(lost(function), 0);
   EXPECT_EQ(lost_after(function, d), 0);
 
-  // Nor may a script of one's own that takes spurious sheets away.
+  // A user's script that removes spurious sheets must not remove them either.
   FunctionEditor editor(function);
   Progress progress;
   Edit edit;
@@ -195,7 +195,7 @@ TEST(Diagnose, TwoTerrainsAreTwo) {
 
 TEST(Diagnose, NoScriptTakesSurfaceAwayFromSamples) {
   SANSMESH_NOT_SANITIZED("judges scripts on larger clouds; others write and run them, too");
-  // Whatever is held to be suspicious: thresholds that mark sound places, steep ones between sheets, and strays.
+  // Suspicions of all kinds: thresholds that mark sound places, steep ones between sheets, and stray samples.
   PointSet close = joined(terrain(100, 1, {}), terrain(100, 1, {0, 0, 0.025f}));
   PointSet strays = joined(sphere(5000), sphere(60), 0.09f, {1.5f, 0.2f, 0});
   for (const PointSet& cloud : {close, strays, joined(terrain(100, 1, {}), sphere(30), 0.02f, {0.5f, 0.5f, 0.3f})}) {

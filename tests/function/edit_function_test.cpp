@@ -1,4 +1,4 @@
-// Editing functions in the coordinates of their input.
+// Editing functions in input coordinates.
 #include "sansmesh/function/edit_function.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace {
 
 using namespace test;
 
-/// Survey coordinates: far from zero, in a unit that is not that of the field.
+/// Survey coordinates: far from zero, in another unit than the field.
 const Vec3 kFar{431234.5, 5812345.25, 812};
 constexpr float kScale = 250;
 PointSet surveyed(PointSet cloud) {
@@ -45,8 +45,8 @@ double value_at(const FittedFunction& f, const Vec3& x) {
   return f.frame.to_input(v);
 }
 
-/// Places within a spacing or so of the samples, all around them (input coordinates), in blocks that have a support:
-/// there no far field takes part.
+/// Points within about a spacing of the samples, all around them (input coordinates), in blocks with a support, where
+/// the far field has no share.
 std::vector<Vec3> near_surface(const FittedFunction& f, std::size_t n) {
   std::mt19937 random(11);
   std::normal_distribution<double> gauss;
@@ -96,7 +96,7 @@ TEST(FunctionEditor, TakesCoordinatesOfTheInput) {
 }
 
 TEST(FunctionEditor, SelectionsInTheUnitOfTheInput) {
-  // The same selections of the same shape, here and there: as many supports.
+  // The same selections of the same shape in both coordinates select as many supports.
   const FittedFunction here = fitted(bumpy(6000)), there = fitted(surveyed(bumpy(6000)));
   ASSERT_EQ(here.field.report().functions, there.field.report().functions);
   Progress progress;
@@ -125,7 +125,7 @@ TEST(FunctionEditor, Sheets) {
   PointSet cloud = two_spheres();
   std::mt19937 random(2);
   std::normal_distribution<float> gauss;
-  for (int i = 0; i < 25; ++i) {  // strays
+  for (int i = 0; i < 25; ++i) {  // stray samples
     cloud.positions.push_back(Vec3f{0, 3, 0} + Vec3f{gauss(random), gauss(random), gauss(random)} * 0.1f);
     cloud.normals.push_back(normalized(Vec3f{gauss(random), gauss(random), gauss(random)}));
   }
@@ -154,14 +154,14 @@ TEST(FunctionEditor, Sheets) {
   select.sheet_at = Vec3{-30, 0, 0};
   EXPECT_EQ(left(select), "big small strays ") << "no sheet is there";
 
-  // A sheet that is gone is not replaced by the next one.
+  // A removed sheet is not replaced by the next one.
   FunctionEditor editor(copy_of(function));
   select.sheet_at = Vec3{2.3, 0.4, 0};
   EXPECT_GT(editor.apply({select, RemoveSupports{}}, progress).chosen, 0u);
   EXPECT_EQ(editor.apply({select, RemoveSupports{}}, progress).chosen, 0u);
   EXPECT_EQ(editor.function().history.size(), 1u) << "what does nothing is not remembered";
 
-  // What was removed does not come back when something else is fitted again.
+  // Removed supports are not restored when others are refitted.
   const std::size_t before = editor.function().field.data().supports.size();
   EditSelection big;
   big.ball = {{0, 0, 0}, 1.3};
@@ -191,7 +191,7 @@ TEST(FunctionEditor, NothingChangesOutsideOfWhatItSays) {
         outside += !in;
         differ += in && old[i] != now[i];
         if (!in) {
-          // The far field moves a little everywhere, and takes part wherever supports are thin.
+          // The far field changes slightly everywhere, and has a share where supports are thin.
           ASSERT_NEAR(old[i], now[i], 1e-4 * size) << report.what;
         }
       }
@@ -295,7 +295,7 @@ TEST(FunctionEditor, FailuresLeaveTheFunctionAsItWas) {
   EXPECT_EQ(editor.edits(), 0u);
   EXPECT_EQ(without.edits(), 0u);
   EXPECT_TRUE(editor.changed().empty());
-  // What needs no samples works without.
+  // Edits that need no samples work without them.
   Progress fresh;
   EXPECT_NO_THROW(without.apply({some, SetConstant{1}}, fresh));
   EXPECT_NO_THROW(without.apply({some, RemoveSupports{}}, fresh));

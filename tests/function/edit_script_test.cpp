@@ -1,4 +1,4 @@
-// Scripts of edits: written and read back; what is wrong with one is named.
+// Edit scripts: writing, reading back, and errors that name the cause.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -56,7 +56,7 @@ TEST(EditScript, EveryFieldThereAndBack) {
   EXPECT_EQ(std::get<Undo>(read[11].action).steps, 3);
   EXPECT_EQ(read[12].select.level_to, 20);
   EXPECT_EQ(read[12].select.samples_below, 0);
-  // What is chosen by itself.
+  // Selection by coverage.
   edits.resize(0);
   add(SetDegree{kAutomaticDegree}).coverage_fails = kThesisCoverage;
   add(SetConstant{1, true}).coverage_fails = PaperCoverage{0.1, 0.2, 0.3};
@@ -70,7 +70,7 @@ TEST(EditScript, EveryFieldThereAndBack) {
   EXPECT_EQ(words[0].select.coverage_fails, kThesisCoverage);
   EXPECT_TRUE(std::get<SetConstant>(words[1].action).automatic);
   edits.resize(1);
-  // Spurious sheets are among those that are not the largest.
+  // Spurious sheets are a subset of those that are not the largest.
   edits.resize(1);
   edits[0].select.spurious_sheets = edits[0].select.all_but_largest = true;
   EXPECT_TRUE(parse_edit_script(edit_script(edits))[0].select.spurious_sheets);

@@ -1,4 +1,4 @@
-// Fitted functions as distances: shells and offsets have the walls and the parts that they should.
+// Fitted functions as distances: shells and offsets have the right walls and parts.
 #include "sansmesh/function/function_distance.h"
 
 #include <gtest/gtest.h>
@@ -62,7 +62,8 @@ Meshed meshed_csg(const std::string& text, const Fitted& fitted, int resolution)
   return m;
 }
 
-/// How far vertices are, by `distance`, from the nearer of two levels: the farthest, or the farthest but for a share.
+/// Distance of vertices, by `distance`, from the nearer of two levels: the largest, or the largest without a share of
+/// them.
 template <class Distance>
 double off_walls(const TriangleMesh& mesh, double a, double b, Distance&& distance, double without = 0) {
   std::vector<double> off;
@@ -99,7 +100,7 @@ TEST(FunctionDistance, OffsetsOfASphere) {
   }
 }
 
-/// Off a fitted cube: faces without waves, edges rounded outside and sharp inside.
+/// Distances to a fitted cube: flat faces, edges rounded outside and sharp inside.
 TEST(FunctionDistance, OffsetsOfACubeHaveItsCreases) {
   const Fitted cube(test::cube(6000));
   const auto distance = [](const Vec3& x) {  // from the cube [-1, 1]³
@@ -113,11 +114,11 @@ TEST(FunctionDistance, OffsetsOfACubeHaveItsCreases) {
     double squares = 0, crossed = 0, faces = 0;
     for (const Vec3f& v : m.mesh.vertices) squares += std::pow(distance(m.mesh.origin + Vec3(v)) - d, 2);
     EXPECT_LT(std::sqrt(squares / static_cast<double>(m.mesh.vertices.size())), d > 0 ? 5e-3 : 1e-3)
-        << d;  // of round edges the cells tell
+        << d;  // at round edges the cells limit the accuracy
     for (const Triangle& t : m.mesh.triangles) {
       const Vec3 a(m.mesh.vertices[t[0]]), b(m.mesh.vertices[t[1]]), c(m.mesh.vertices[t[2]]);
       const Vec3 n = normalized(cross(b - a, c - a)), middle = (a + b + c) / 3;
-      // Of faces, well off their edges: how far their normals are off.
+      // Deviation of the normals of faces, away from their edges.
       for (std::size_t k = 0; k < 3; ++k)
         if (std::max(std::abs(middle[(k + 1) % 3]), std::abs(middle[(k + 2) % 3])) < 0.7)
           crossed += 1 - std::abs(n[k]), faces += 1;
@@ -155,14 +156,14 @@ TEST(FunctionDistance, ShellsAndOffsetsOfTheOwl) {
     exact.measure({&x, 1}, 1000, {&found, 1});
     return found.distance;
   };
-  // Inner walls have creases where the owl is thin, which the field does not know as such.
+  // Inner walls have creases where the owl is thin, which the field does not represent.
   EXPECT_LT(off_walls(shell.mesh, 0, -6, distance, 0.02), 0.08 * shell.report.cell);
   EXPECT_LT(off_walls(shell.mesh, 0, -6, distance), shell.report.cell);
   for (const double d : {-10, 12}) {
     const Meshed m = meshed_csg("offset(a, " + std::to_string(d) + ")", owl(), 32);
     EXPECT_EQ(m.report.components, 1u) << d;
     EXPECT_LT(off_walls(m.mesh, d, d, distance, 0.02), 0.05 * m.report.cell) << d;
-    // Where the mesh folds its normals mislead about the side.
+    // Where the mesh folds, its normals give the wrong side.
     const auto to_that_side = [&](const Vec3& x) { return std::copysign(distance(x), static_cast<double>(d)); };
     EXPECT_LT(off_walls(m.mesh, d, d, to_that_side), m.report.cell) << d;
   }
@@ -187,7 +188,7 @@ TEST(FunctionDistance, IsADistanceWithItsGradientEverywhere) {
   }
 }
 
-/// The cells of a function that shows more than a 256th of the diagonal follow it, and its smooth parts need no more
+/// The cells of a function with more detail than a 256th of the diagonal follow it, and its smooth parts need no more
 /// than its own mesh.
 TEST(FunctionSolid, CellsFollowTheFunction) {
   SANSMESH_NOT_SANITIZED("judges sizes; others mesh functions as solids");

@@ -1,4 +1,4 @@
-// Function files: what is read is what was written, to the bit.
+// Function files are read back to the bit.
 #include <cmath>
 #include <random>
 
@@ -98,7 +98,7 @@ TEST(FunctionFile, ReadIsWhatWasWritten) {
       EXPECT_EQ(o.sharp, q.sharp);
       EXPECT_EQ(before.field.data().basis.variance, after.field.data().basis.variance);
       EXPECT_EQ(before.field.data().basis.finest, after.field.data().basis.finest);
-      // Written again it is the same file.
+      // Writing it again gives the same file.
       write_fitted_function(folder / (std::string("again") + name), after);
       EXPECT_EQ(slurp(folder / name), slurp(folder / (std::string("again") + name)));
     }
@@ -106,8 +106,8 @@ TEST(FunctionFile, ReadIsWhatWasWritten) {
   }
 }
 
-/// What was kept of a mesh stays kept when the function is read from its file: small solids of its faces.
-/// A fit as the sources have it: the same values, also beyond the cube, and the same walk through its blocks.
+/// A fit by the published method has the same values after reading, also beyond the cube, and the same walk through its
+/// blocks.
 TEST(FunctionFile, KeepsFitsOfThePaper) {
   Progress progress;
   FitOptions options;
@@ -127,7 +127,7 @@ TEST(FunctionFile, KeepsFitsOfThePaper) {
   EXPECT_GT(report.simplices, 0u);
   EXPECT_TRUE(measure_topology(mesh).closed());
   expect_same_mesh(mesh, mesh_function(read, {}, progress));
-  // Whole blocks can be had, too, and are enhanced.
+  // Whole blocks are also available, and are enhanced.
   MeshOptions blocks;
   blocks.mesher = Mesher::blocks;
   const TriangleMesh other = mesh_function(read, blocks, progress, &report);
@@ -152,7 +152,7 @@ TEST(FunctionFile, RemembersThatItsSamplesAreOfFaces) {
   }
 }
 
-/// Files of version 1.0 had no slopes: they are found from the functions, and are the same.
+/// Files of version 1.0 have no slopes: they are computed from the functions, with the same result.
 TEST(FunctionFile, OldFilesGetTheirSlopes) {
   const Folder folder;
   FittedFunction before = fitted(colored(cube(4000)));
@@ -252,8 +252,7 @@ TEST(FunctionFile, WritesNothingThatCannotBeRead) {
   functions[3].coefficient[0] = std::nanf("");
   data.functions = std::move(functions);
   const FittedFunction bad{PartitionOfUnity(std::move(data)), good.frame, good.samples, {}, {}};
-  expect_file_error(folder / "f.smf", "a support makes no sense",
-                    [&] { write_fitted_function(folder / "f.smf", bad); });
+  expect_file_error(folder / "f.smf", "a support is invalid", [&] { write_fitted_function(folder / "f.smf", bad); });
   expect_file_error(folder / "absent/f.smf", "", [&] { write_fitted_function(folder / "absent/f.smf", good); });
   EXPECT_EQ(folder.entries(), 0u);
 }

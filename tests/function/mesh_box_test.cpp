@@ -1,4 +1,4 @@
-// Meshes cut to boxes, and meshes of functions in boxes or coarser.
+// Meshes cut to boxes, and meshes of functions in boxes or with coarser triangles.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -34,7 +34,7 @@ void expect_clipped(const TriangleMesh& mesh, const Box3f& box) {
   EXPECT_TRUE(topology.manifold());
   EXPECT_TRUE(topology.oriented());
   EXPECT_EQ(topology.unused_vertices, 0u);
-  // Borders lie in the faces, edge by edge.
+  // Borders are in the faces, edge by edge.
   std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
   for (const Triangle& t : mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k) edges.insert({t[k], t[(k + 1) % 3]});
@@ -147,7 +147,7 @@ TEST(MeshFunction, InABoxIsAPartOfTheWhole) {
     EXPECT_TRUE(topology.manifold() && topology.oriented());
     EXPECT_EQ(topology.components, 1u);
     EXPECT_EQ(topology.boundary_loops, 1u);
-    // The same triangles well inside.
+    // The triangles well inside are the same.
     const std::set<Corners> of_whole = triangle_set(whole);
     const Box3 inner = widened(*options.box, -3 * edge);
     std::size_t in = 0, same = 0;
@@ -166,7 +166,7 @@ TEST(MeshFunction, BoxesOfAnySizeAndPlace) {
   std::mt19937 random(6);
   std::uniform_real_distribution<double> uniform(-1, 1);
   for (int round = 0; round < 40; ++round) {
-    // On the surface, down to a small share of a triangle.
+    // Boxes centred on the surface, down to a small share of a triangle.
     const Vec3 at = normalized(Vec3{uniform(random), uniform(random), uniform(random)});
     const double half = std::pow(10.0, -2.5 + 0.05 * round);
     MeshOptions options;

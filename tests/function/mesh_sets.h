@@ -15,7 +15,7 @@ namespace sansmesh::test {
 
 using Corners = std::array<std::array<float, 3>, 3>;
 
-/// A triangle by its corners' positions, whatever their numbers and whichever comes first.
+/// A triangle by the positions of its corners, independent of indices and rotation.
 inline Corners corners(const TriangleMesh& mesh, const Triangle& t) {
   Corners c;
   for (std::size_t k = 0; k < 3; ++k) {

@@ -1,4 +1,4 @@
-// Meshes as parts of solids: exact faces, exact creases, rounded offsets, and a word about what is no solid.
+// Meshes as parts of solids: exact faces, exact creases, rounded offsets, and warnings about meshes that are no solid.
 #include "sansmesh/function/mesh_solid.h"
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ TEST(MeshSolid, FlatFacesComeBackExactly) {
   for (const TriangleMesh& shape : {test::icosahedron(), test::swept_profile()}) {
     const Cut m = meshed(solid_of(shape), 40);
     EXPECT_LT(off(m.mesh, shape, 0), 1e-5);
-    // The other way round: its corners are there.
+    // The converse: its corners are present.
     EXPECT_LT(off(shape, m.mesh, 0), 1e-5);
   }
 }
@@ -125,12 +125,12 @@ TEST(MeshSolid, SaysWhatIsNoSolid) {
 }
 
 TEST(MeshSolid, SaysThatFacesCross) {
-  // The tips of two bodies of one mesh go through each other.
+  // The tips of two bodies of one mesh intersect.
   const TriangleMesh ball = test::octasphere(5);
   std::vector<std::string> warnings;
   mesh_solid(test::joined(ball, ball, {1.98f, 0.013f, 0.007f}), false, warnings);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_NE(warnings[0].find("faces go through each other"), std::string::npos) << warnings[0];
+  EXPECT_NE(warnings[0].find("faces intersect"), std::string::npos) << warnings[0];
 }
 
 TEST(MeshSolid, SaysThatPartsAreSmallerThanCells) {
@@ -155,7 +155,7 @@ TEST(MeshSolid, ClosesHolesAndTurnsOver) {
   const Solid solid = mesh_solid(ball, false, warnings);
   ASSERT_EQ(warnings.size(), 2u);
   EXPECT_NE(warnings[0].find("1 hole"), std::string::npos) << warnings[0];
-  EXPECT_NE(warnings[1].find("turned over"), std::string::npos) << warnings[1];
+  EXPECT_NE(warnings[1].find("reversed"), std::string::npos) << warnings[1];
   EXPECT_NEAR(meshed(solid, 30).report.volume / (4 * std::numbers::pi / 3), 1, 5e-3);
 }
 

@@ -1,4 +1,4 @@
-// Surfaces that bound no solid: their meshes end where the samples end.
+// Open surfaces: their meshes end where the samples end.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ namespace {
 
 using namespace test;
 
-/// A square [0, 1]², hardly bent, with noise, but for a disc around its middle.
+/// A square [0, 1]², slightly curved, with noise, except for a disc around its centre.
 PointSet noisy_square(std::size_t n, float noise, float hole = 0) {
   std::mt19937 random(2);
   std::uniform_real_distribution<float> uniform(0, 1);
@@ -121,7 +121,7 @@ TEST(OpenFunction, IsKeptInFiles) {
   write_fitted_function(folder / "sheet.smf", before);
   const FittedFunction after = read_fitted_function(folder / "sheet.smf");
   EXPECT_EQ(after.field.report().open_area, before.field.report().open_area);
-  EXPECT_EQ(after.field.report().behind, before.field.report().behind);
+  EXPECT_EQ(after.field.report().mean_winding_number, before.field.report().mean_winding_number);
   EXPECT_TRUE(same_bytes(open_mesh(before).vertices, open_mesh(after).vertices));
 }
 

@@ -1,4 +1,4 @@
-// Meshes of edited functions, brought up to date in place.
+// Meshes of edited functions, updated in place.
 #include <cmath>
 #include <random>
 #include <set>
@@ -21,7 +21,7 @@ namespace {
 using namespace test;
 using Action = decltype(Edit::action);
 
-/// Updated and remade meshes are one surface up to what another choice of triangles makes of it.
+/// Updated and remade meshes are one surface up to the choice of triangles.
 void expect_same_surface(const TriangleMesh& updated, const TriangleMesh& remade, double tolerance) {
   Progress progress;
   DistanceOptions options;
@@ -89,7 +89,7 @@ TEST(UpdateMesh, IsTheMeshOfTheEditedFunction) {
         }
         EXPECT_EQ(gone, 0u);
       }
-      // Simplified triangles of flat faces reach from edge to edge: there the whole mesh may be made anew.
+      // Simplified triangles of flat faces reach from edge to edge: there the whole mesh may be remeshed.
       if (!options.mesh_error && (smooth || !options.enhance)) {
         EXPECT_GE(local, local_actions().size() - 1) << shape.name << (options.enhance ? "" : ", plain");
       }
@@ -97,7 +97,7 @@ TEST(UpdateMesh, IsTheMeshOfTheEditedFunction) {
   }
 }
 
-/// Evenly over the unit sphere, by the golden angle.
+/// Directions evenly spread over the unit sphere, by the golden angle.
 std::vector<Vec3> spread_directions(int count) {
   std::vector<Vec3> all;
   for (int i = 0; i < count; ++i) {
@@ -108,7 +108,7 @@ std::vector<Vec3> spread_directions(int count) {
 }
 
 TEST(UpdateMesh, ManyLocalEditsTogetherStayLocal) {
-  // Fifteen all over the surface, which one box around all of them holds completely.
+  // Fifteen edits all over the surface, whose common box contains it completely.
   SANSMESH_NOT_SANITIZED("others update meshes, too");
   FunctionEditor editor(fitted(bumpy(20000)));
   const TriangleMesh before = meshed(editor.function());
@@ -224,7 +224,7 @@ TEST(UpdateMesh, OfNothingIsTheMesh) {
 
 TEST(UpdateMesh, ManyEditsOneMesh) {
   SANSMESH_NOT_SANITIZED("compares results; others edit meshes, too");
-  // Whatever is done, the mesh stays closed and manifold, made from that of the last step or anew.
+  // After any edit the mesh stays closed and manifold, updated from the previous step or remade.
   const FittedFunction function = fitted(bumpy(8000));
   FunctionEditor editor({PartitionOfUnity(function.field.data()), function.frame, function.samples, {}, {}});
   TriangleMesh mesh = meshed(function);
@@ -242,7 +242,7 @@ TEST(UpdateMesh, ManyEditsOneMesh) {
     const EditReport report = editor.apply(edit, progress);
     SCOPED_TRACE(std::to_string(round) + ": " + report.what);
     MeshUpdate update;
-    // An undo changes what its edit changed.
+    // An undo changes the regions that its edit changed.
     mesh = update_mesh(editor.function(), std::move(mesh), report.regions, {}, progress, &update);
     local += update.local;
     expect_closed(mesh);
@@ -271,7 +271,7 @@ TEST(UpdateMesh, OfAnotherFunctionIsMadeAnew) {
 }
 
 TEST(UpdateMesh, FarAwayMeshesAreNotTakenForTheFunctions) {
-  // Nothing is left where the change was, so that no triangle can be compared.
+  // The surface at the change has vanished, so that no triangle can be compared.
   FunctionEditor editor(fitted(joined(sphere(4000), sphere(500), 0.3f, {2, 0, 0})));
   Progress progress;
   EditSelection small;
@@ -302,7 +302,7 @@ TEST(UpdateMesh, MeshesFromFiles) {
     const TriangleMesh after = update_mesh(editor.function(), read_mesh(file), editor.changed(), {}, progress, &update);
     expect_closed(after);
     expect_same_surface(after, meshed(editor.function()), 2 * mean_edge(mesh));
-    // Binary files keep every bit that matters.
+    // Binary files keep every relevant bit.
     if (std::string(name) == "mesh.ply") {
       EXPECT_TRUE(update.local);
     }

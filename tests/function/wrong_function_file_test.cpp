@@ -1,4 +1,4 @@
-// Function files with right checksums and wrong contents: reading them ends with one FileError.
+// Function files with right checksums and wrong contents: reading them throws one FileError.
 #include <cmath>
 #include <limits>
 #include <map>
@@ -34,7 +34,7 @@ class WrongContents : public ::testing::Test {
       if (s.name == name) return s;
     throw std::runtime_error("no section " + name);
   }
-  /// One element of a section changed by `edit(element)`.
+  /// Changes one element of a section by `edit(element)`.
   template <class T, class Edit>
   void expect_bad_element(const std::string& name, std::size_t i, Edit&& edit, const std::string& what) {
     std::vector<RawSection> sections = good_;
@@ -129,11 +129,11 @@ TEST_F(WrongContents, Supports) {
   change("coverage", [](Support& s) { s.coverage = 1e20f; });
   change("state", [](Support& s) { s.state = 2; });
   change("creased", [](Support& s) { s.creased = 2; });
-  // Twice the same block.
+  // The same block twice.
   std::vector<RawSection> sections = good_;
   std::string& bytes = section(sections, "SUPPORT").bytes;
   bytes.replace(sizeof(Support), sizeof(Support), bytes.substr(0, sizeof(Support)));
-  expect_bad(sections, "a support makes no sense", "twice");
+  expect_bad(sections, "a support is invalid", "twice");
 }
 
 TEST_F(WrongContents, Tree) {
@@ -158,12 +158,12 @@ TEST_F(WrongContents, Slopes) {
   for (const float bad : {std::nanf(""), std::numeric_limits<float>::infinity(), 0.0f, 0.5f, -1.0f})
     expect_bad_element<float>(
         "SLOPE", 1, [&](float& s) { s = bad; }, "slope");
-  // No bound of its function.
+  // Not a bound of its function.
   expect_bad_element<float>(
       "SLOPE", 1, [&](float& s) { s *= 0.999f; }, "slope");
 }
 
-/// What proofs about functions take for granted.
+/// Assumptions of proofs about functions.
 TEST_F(WrongContents, FunctionsThatAreNotWhatTheySeem) {
   expect_bad_element<LocalFunction>(
       "FUNCTION", 1, [](LocalFunction& f) { f.xi = normalized(f.xi + f.nu * 0.01f); }, "frame that is not orthogonal");
@@ -191,7 +191,7 @@ TEST_F(WrongContents, SectionsThatDoNotFit) {
       {"META", true},     {"FUNCTION", true}, {"SUPPORT", true}, {"LEVCODE", true},   {"LEVGAP", true},
       {"LEVCHILD", true}, {"NORMAL", true},   {"SLOPE", false},  {"POSITION", false}, {"COLOR", false}};
   for (const auto& [name, must] : needed) {
-    for (const int shorter : {0, 1}) {  // one element less, or none at all
+    for (const int shorter : {0, 1}) {  // one element less, or none
       std::vector<RawSection> sections = good_;
       std::string& bytes = section(sections, name).bytes;
       bytes.resize(shorter ? bytes.size() - section(sections, name).element_size : 0);
@@ -224,7 +224,7 @@ TEST_F(WrongContents, Description) {
       json[at] = bad;
       section(sections, "META").bytes = json.dump();
       const std::string file = folder_.put("bad.smf", packed(sections));
-      // Some are right by chance: there nothing but a function may come out.
+      // Some are valid by chance: the result must then be a function.
       try {
         const FittedFunction function = read_fitted_function(file);
         std::vector<double> values(1);
@@ -279,7 +279,7 @@ TEST_F(WrongContents, TextThatIsNoDescription) {
     section(sections, "META").bytes = text;
     expect_bad(sections, "damaged: ", text.substr(0, 20));
   }
-  // Very many fields: no more than a pass over them.
+  // Very many fields must not take more than one pass.
   std::string many = "{";
   for (int i = 0; i < 200000; ++i) many.append("\"").append(std::to_string(i)).append("\":0,");
   std::vector<RawSection> sections = good_;

@@ -65,11 +65,11 @@ double variation(const PointSet& cloud) {
 double spacing_of_sphere(std::size_t n) { return std::sqrt(4 * std::numbers::pi / static_cast<double>(n)); }
 
 TEST(RecommendedSurface, LeavesTheLeastError) {
-  const auto suited = [](const PointSet& cloud) {
+  const auto recommended = [](const PointSet& cloud) {
     Progress progress;
     return make_recommended_surface(prepare_cloud(cloud, {}, progress), progress);
   };
-  EXPECT_EQ(suited(test::sphere(6000, 0.03)).report().method, "partition");
+  EXPECT_EQ(recommended(test::sphere(6000, 0.03)).report().method, "partition");
   // Samples on a grid, too sparse for the waves: the detail that the partition smooths away is not noise.
   PointSet waves;
   for (int i = 0; i < 40; ++i)
@@ -82,7 +82,8 @@ TEST(RecommendedSurface, LeavesTheLeastError) {
     project(waves, model, &report);
     return report.rms_move;
   };
-  EXPECT_LE(moved(suited(waves)), std::min(moved(model_of(waves, "partition")), moved(model_of(waves, "curvature"))));
+  EXPECT_LE(moved(recommended(waves)),
+            std::min(moved(model_of(waves, "partition")), moved(model_of(waves, "curvature"))));
 }
 
 TEST(ProjectPoints, LeavesOutWhatIsFarFromSamples) {

@@ -13,6 +13,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/mesh_measures.h"
+#include "sansmesh/model/surface_model.h"
 #include "sansmesh/reconstruct.h"
 #include "support/clouds.h"
 #include "support/places.h"
@@ -45,6 +46,11 @@ TEST(SurfaceMethods, AreFoundByTheirNames) {
 TEST(SurfaceMethods, NamesAreTakenOnce) {
   EXPECT_THROW(SurfaceMethod::registry().add({.name = "apss", .summary = "", .page = ""}), ArgumentError);
   EXPECT_THROW(SurfaceMethod::registry().add({.name = "", .summary = "", .page = ""}), ArgumentError);
+}
+
+TEST(SurfaceMethods, NeedAFunctionThatMakesThem) {
+  EXPECT_THROW(SurfaceMethod::registry().add({.name = "no-make", .summary = "", .page = ""}), ArgumentError);
+  EXPECT_EQ(SurfaceMethod::registry().find("no-make"), nullptr);
 }
 
 TEST(SurfaceMethods, HavePagesInTheDocs) {

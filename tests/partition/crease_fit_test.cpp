@@ -51,7 +51,7 @@ TEST(CreaseFit, FindsACorner) {
 }
 
 /// Samples of the boundary of {(x < 0 or y < 0) and z < 0}, most of its upper face beside one of the walls: that face
-/// lies on both sides of the wall's plane.
+/// is on both sides of the wall's plane.
 TEST(CreaseFit, FindsACornerThatIsNeitherConvexNorConcave) {
   CornerSamples s;
   std::mt19937 generator(4);

@@ -1,4 +1,4 @@
-// Fitted functions to edit, places in them, and what must be the same before and after; for the tests.
+// Fitted functions to edit, points in them, and comparisons of before and after; for the tests.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@
 
 namespace sansmesh::test {
 
-/// A function with the samples that editing wants, in their order.
+/// A function with the ordered samples that editing needs.
 struct Fitted {
   PartitionData data;
   std::vector<Vec3f> positions, normals;
@@ -48,7 +48,7 @@ inline void expect_same(const PartitionData& a, const PartitionData& b) {
   EXPECT_EQ(a.report.area, b.report.area);
 }
 
-/// The pieces of one support, with the links between them left out: these shift where others come or go.
+/// The pieces of one support without their links, which shift when others are added or removed.
 inline std::vector<LocalFunction> pieces(const PartitionData& data, std::size_t i) {
   std::vector<LocalFunction> result{data.functions[i]};
   while (result.back().next != 0) {
@@ -62,11 +62,11 @@ inline std::vector<LocalFunction> pieces(const PartitionData& data, std::size_t 
 inline bool same_support(const PartitionData& a, std::size_t i, const PartitionData& b, std::size_t j) {
   const std::vector<LocalFunction> p = pieces(a, i), q = pieces(b, j);
   return p.size() == q.size() && std::memcmp(p.data(), q.data(), p.size() * sizeof(LocalFunction)) == 0 &&
-         // The same bits are meant, not equal numbers. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
+         // Bitwise comparison, not numeric equality. NOLINTNEXTLINE(bugprone-suspicious-memory-comparison)
          std::memcmp(&a.supports[i], &b.supports[j], sizeof(Support)) == 0;
 }
 
-/// The sums of the report, added up again.
+/// Recomputes the sums of the report.
 inline void expect_sums(const PartitionData& data) {
   PartitionReport r;
   for (std::size_t i = 0; i < data.supports.size(); ++i) {
@@ -130,7 +130,7 @@ inline TriangleMesh mesh_of(const PartitionData& data) {
   return polygonize(field, field.mesh_blocks(0.037 * data.report.spacing), data.origin, options, progress);
 }
 
-/// The whole sphere with a bump of points that are needed for levels to differ from place to place.
+/// The whole sphere with a denser part, so that levels vary.
 inline PointSet uneven_sphere(std::size_t n, double noise = 0) {
   PointSet cloud = sphere(n, noise);
   const PointSet fine = sphere(8 * n, noise, 4);

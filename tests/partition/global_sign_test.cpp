@@ -66,7 +66,7 @@ TEST(GlobalSign, DistanceIsRightNearTheSurfaceAndSignedEverywhere) {
   EXPECT_NEAR(d[4], 0.1, 0.02);
 }
 
-/// Neighbours in space become neighbours in the list.
+/// Sorts patches so that neighbours in space become neighbours in the list.
 std::vector<OrientedPatch> in_order(std::vector<OrientedPatch> patches) {
   const auto code = [](const OrientedPatch& p) {
     const auto cell = [](float c) { return static_cast<std::uint32_t>((c + 4) * 0x1p17f); };
@@ -77,14 +77,14 @@ std::vector<OrientedPatch> in_order(std::vector<OrientedPatch> patches) {
   return patches;
 }
 
-/// Stretched along the axes by `by`: still closed.
+/// Stretches along the axes by `by`: the surface stays closed.
 std::vector<OrientedPatch> stretched(std::vector<OrientedPatch> patches, const Vec3f& by) {
   for (OrientedPatch& p : patches)
     for (std::size_t k = 0; k < 3; ++k) p.position[k] *= by[k], p.area[k] *= by.x * by.y * by.z / by[k];
   return in_order(std::move(patches));
 }
 
-/// The sums over all patches one by one, discs that they are.
+/// The sums over all patches one by one, each as a disc.
 struct AllPatches {
   double winding = 0, distance = 0, closed = 0, open = 0;
 
@@ -101,7 +101,7 @@ struct AllPatches {
   }
 };
 
-/// Root of the mean squared and largest difference.
+/// Root mean square and largest difference.
 struct FarError {
   double sum = 0, most = 0, n = 0;
   void add(double e) { sum += e * e, most = std::max(most, std::abs(e)), n += 1; }
@@ -135,7 +135,7 @@ TEST(GlobalSign, GroupsAgreeWithTheSumOverAllPatches) {
 }
 
 /// Largest difference from the sums over all patches, over the lines from some of the patches: of winding numbers, and
-/// of distances in parts of the distance.
+/// of distances relative to the distance.
 std::array<double, 3> largest_errors(const std::vector<OrientedPatch>& patches, std::span<const std::size_t> from) {
   const GlobalSign sign(patches), sheet(patches, 1, true);
   std::array<double, 3> most{};
@@ -179,7 +179,7 @@ TEST(GlobalSign, GroupsOfPatchesWiderThanTheirSpacingAreNoPoints) {
 }
 
 TEST(GlobalSign, GroupsFromAfarAreOfThirdOrder) {
-  // Groups have their place, and first and second moments about it: what is left falls with the cube of the distance.
+  // Groups have a position, and first and second moments about it: the error falls with the cube of the distance.
   std::mt19937 random(3);
   std::uniform_real_distribution<float> uniform(-1, 1);
   std::vector<OrientedPatch> patches;
@@ -212,7 +212,7 @@ TEST(GlobalSign, GroupsFromAfarAreOfThirdOrder) {
   }
 }
 
-/// The largest gradient on lines from afar to each of the patches.
+/// Largest gradient on lines from afar to each of the patches.
 float steepest(const std::vector<OrientedPatch>& patches) {
   const GlobalSign sign(patches);
   std::vector<Vec3f> x;
@@ -232,7 +232,7 @@ TEST(GlobalSign, GroupsHandOverToTheirMembersGently) { EXPECT_LT(steepest(sphere
 TEST(GlobalSign, SmallPatchesAreNoSteps) {
   std::vector<OrientedPatch> patches = sphere_patches(3000);
   const float area = norm(patches[0].area);
-  // Every 37th juts out, and hardly anything of it is left.
+  // Every 37th patch protrudes and has hardly any area.
   for (std::size_t i = 0; i < patches.size(); i += 37)
     patches[i].position = patches[i].position * 1.15f, patches[i].area = patches[i].area * 1e-4f;
   const float alone = steepest(patches);

@@ -1,5 +1,5 @@
-// The fitted function stays about a distance on thin shapes of high genus: what diagnosis calls steep is rare wherever
-// supports reach. How steep it gets exactly is for benchmark_gradient_bound to say.
+// The fitted function approximates a distance on thin shapes of high genus: steep gradients in the sense of the
+// diagnosis are rare within the supports. benchmark_gradient_bound measures the exact gradients.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,7 +27,7 @@ FittedFunction fit_shape(PointSet cloud) {
   return fit_surface_function(std::move(cloud), {}, progress);
 }
 
-/// Points in the balls of the supports: the domain of definition.
+/// Points in the balls of the supports, the domain of definition.
 std::vector<Vec3> in_domain(const FittedFunction& s, std::size_t count) {
   const PartitionData& data = s.field.data();
   std::mt19937_64 random(7);
@@ -42,7 +42,7 @@ std::vector<Vec3> in_domain(const FittedFunction& s, std::size_t count) {
   return x;
 }
 
-/// Of 1000 gradients, 999 are as short as those of sound functions are.
+/// Of 1000 gradients, 999 are within kSoundSlope.
 void expect_sound(const FittedFunction& s) {
   const std::vector<Vec3> x = in_domain(s, kPoints);
   std::vector<double> values(x.size());
@@ -56,7 +56,7 @@ void expect_sound(const FittedFunction& s) {
   EXPECT_LT(steep, x.size() / 1000);
 }
 
-/// Analytic gradients are those of the values, but for a few next to creases.
+/// Analytic gradients equal differences of the values, except for a few next to creases.
 void expect_gradients_of_values(const FittedFunction& s) {
   const std::vector<Vec3> x = in_domain(s, 4000);
   float least = 1e30f;
@@ -98,7 +98,7 @@ void PrintTo(const Thin& t, std::ostream* out) { *out << t.name; }
 
 class ThinShapes : public testing::TestWithParam<Thin> {};
 
-/// Gradients, and that the function is the shape that it should be.
+/// Checks gradients, and that the function has the right shape.
 TEST_P(ThinShapes, StayAboutADistance) {
   SANSMESH_NOT_SANITIZED("judges slopes of large functions; others fit and mesh, too");
   const FittedFunction s = fit_shape(test::even_samples(GetParam().shape, GetParam().spacing));
@@ -122,7 +122,7 @@ INSTANTIATE_TEST_SUITE_P(GradientBound, ThinShapes,
 
 class GyroidShells : public testing::TestWithParam<double> {};
 
-/// Their rims are as thin as supports are wide, where the walls are: single supports disagree with the far field there.
+/// The rims are as thin as the width of supports there: single supports disagree with the far field.
 TEST_P(GyroidShells, AreBounded) {
   SANSMESH_NOT_SANITIZED("judges slopes of large functions; others fit and mesh, too");
   const double wall = GetParam();
@@ -132,7 +132,7 @@ TEST_P(GyroidShells, AreBounded) {
   expect_gradients_of_values(s);
   const MeshTopology t = topology(s);
   EXPECT_TRUE(t.closed());
-  // The truth, cut out of the shape itself.
+  // The reference, extracted from the shape itself.
   BlockTree blocks(shape.box.lower, shape.box.size().x);
   for (std::size_t i = 0; i < blocks.size(); ++i)
     if (blocks[i].level < 6) blocks.subdivide(i);
@@ -145,7 +145,7 @@ TEST_P(GyroidShells, AreBounded) {
 
 INSTANTIATE_TEST_SUITE_P(GradientBound, GyroidShells, testing::Values(0.15, 0.2, 0.25));
 
-/// The plates above have as many handles and walls as thin.
+/// The plates above have as many handles and equally thin walls.
 TEST(ExtraGradientBound, FertilityReduced) {
   SANSMESH_NOT_SANITIZED("judges slopes of large functions; others fit and mesh, too");
   const std::string file = test::shared_points("fertility_4k.off");

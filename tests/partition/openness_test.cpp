@@ -54,7 +54,7 @@ TEST(Openness, ClosedShapesAreClosed) {
   for (const PointSet& cloud : {sphere(8000), test::cube(8000), test::torus(8000), sphere(8000, 0.01)}) {
     const PartitionOfUnity f = with_openness(cloud);
     EXPECT_EQ(f.report().open_area, 0);
-    EXPECT_GT(f.report().behind, 0.9);
+    EXPECT_GT(f.report().mean_winding_number, 0.9);
   }
 }
 
@@ -62,7 +62,7 @@ TEST(Openness, SheetsAreOpen) {
   for (const float height : {0.0f, 0.15f, 0.4f}) {
     const PartitionOfUnity f = with_openness(terrain(20000, height));
     EXPECT_FLOAT_EQ(open_share(f), 1) << height;
-    EXPECT_LT(f.report().behind, 0.65) << height;
+    EXPECT_LT(f.report().mean_winding_number, 0.65) << height;
   }
 }
 
@@ -84,7 +84,7 @@ TEST(Openness, FloorsOfABuildingDoNotCloseEachOther) {
   PointSet floors = terrain(15000, 0.02f);
   floors = joined(joined(floors, terrain(15000, 0.02f), 1, {0, 0, 0.3f}), terrain(15000, 0.02f), 1, {0, 0, 0.6f});
   EXPECT_FLOAT_EQ(open_share(with_openness(floors)), 1);
-  // But two that face away from each other are a slab.
+  // Two that face away from each other are a slab.
   PointSet below = terrain(15000, 0.02f);
   for (Vec3f& n : below.normals) n = -n;
   EXPECT_EQ(open_share(with_openness(joined(below, terrain(15000, 0.02f), 1, {0, 0, 0.08f}))), 0);
@@ -105,7 +105,7 @@ TEST(Openness, TheSideOfASheetIsRightHoweverFarAway) {
   std::vector<Vec3> gradients(x.size());
   f.evaluate(x, values, gradients);
   for (std::size_t i = 0; i < x.size(); ++i) ASSERT_EQ(values[i] > 0, x[i].z > 0) << x[i].z;
-  // Gradients are those of the values.
+  // Gradients equal differences of the values.
   const double h = 1e-3;
   for (std::size_t k = 0; k < 3; ++k) {
     std::vector<Vec3> a = x, b = x;

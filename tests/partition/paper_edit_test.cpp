@@ -1,4 +1,4 @@
-// Edits of what was fitted as the sources have it: degrees, constants, and those that are chosen by themselves.
+// Edits of functions fitted by the published method: degrees, constants, and selection by coverage.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -55,7 +55,7 @@ double edited_value(const PartitionData& data, const Vec3& x) {
   return f;
 }
 
-/// The unit sphere, and a little dome of few samples beside it that made a sheet of its own.
+/// The unit sphere, with a small dome of few samples beside it that makes a separate sheet.
 PointSet sphere_with_dome(float at) {
   PointSet cloud = test::sphere(6000);
   for (int i = 0; i < 40; ++i) {
@@ -74,7 +74,7 @@ TEST(PaperEdit, SelectsWhereCoverageFailsAndSetsTheDegreeThatItAllows) {
   const Edited fit = fit_for_edits(test::torus(4000), bold);
   const Selection bad = failing(fit.data());
   const std::size_t borrowed = count_borrowed(fit.data());
-  ASSERT_GT(bad.size(), borrowed);  // curved ones among them
+  ASSERT_GT(bad.size(), borrowed);  // including curved ones
   for (const std::uint32_t i : bad) {
     const Support& s = fit.data().supports[i];
     const int degree = fit.data().functions[i].degree;
@@ -85,7 +85,7 @@ TEST(PaperEdit, SelectsWhereCoverageFailsAndSetsTheDegreeThatItAllows) {
   EXPECT_EQ(r.changes, bad.size() - borrowed);
   EXPECT_EQ(failing(r.data).size(), borrowed);
   EXPECT_NO_THROW(r.data.validate());
-  // Of a fit that asked for coverage there is nothing to lower.
+  // A fit with coverage thresholds has no degree to lower.
   PaperOptions careful = bold;
   careful.coverage = kThesisCoverage;
   const Edited good = fit_for_edits(test::torus(4000), careful);

@@ -65,14 +65,14 @@ PointSet height_cloud(int n, const Height& height, double jitter = 0) {
 }
 
 double quadric(double x, double y) { return 0.2 * x * x - 0.15 * x * y + 0.1 * y * y; }
-/// Even, so that the mean normal is the axis of z.
+/// Even function, so that the mean normal is the axis of z.
 double quartic(double x, double y) { return 0.2 * x * x * x * x - 0.3 * x * x * y * y + 0.1 * y * y; }
 
 TEST(PaperFit, ReproducesAPlaneInTheWholeCube) {
   const Vec3 normal = normalized(Vec3{-0.3, 0.2, 1});
   const PointSet cloud = height_cloud(60, [](double x, double y) { return 0.3 * x - 0.2 * y + 0.1; });
   const PaperFit fit = paper_fit(cloud);
-  EXPECT_GT(fit.report.borrowed, 0u);  // blocks off the plane, too
+  EXPECT_GT(fit.report.borrowed, 0u);  // including blocks off the plane
   for (const Vec3& x : places_in(fit.field.bounds(), 500))
     EXPECT_NEAR(paper_value(fit.field, x), dot(x - Vec3{0, 0, 0.1}, normal), 2e-6);
 }
@@ -160,7 +160,7 @@ TEST(PaperFit, GradientMatchesDifferencesInTheCubeAndBeyond) {
     EXPECT_TRUE(is_finite(g[i]));
     off += norm(d - g[i]) > 0.02 * (1 + norm(g[i]));
   }
-  EXPECT_LE(off, x.size() / 100);  // where the far field's own gradient jumps
+  EXPECT_LE(off, x.size() / 100);  // the gradient of the far field jumps there
 }
 
 TEST(PaperFit, ValuesLieInTheirRanges) {
@@ -188,7 +188,7 @@ TEST(PaperFit, IsPositiveFarOutsideOfASolid) {
   for (const double far : {1.5, 2.0, 10.0, 1e3}) EXPECT_GT(paper_value(fit.field, {far, 0.3 * far, 0.1}), 0) << far;
 }
 
-/// The blocks of the supports are the leaves of the tree that the mesh gets, before that is balanced.
+/// The blocks of the supports are the leaves of the mesh's tree before it is balanced.
 TEST(PaperFit, HasOneTreeForFitAndMesh) {
   const PaperFit fit = paper_fit(test::torus(20000));
   const PartitionData& data = fit.field.data();
@@ -201,7 +201,7 @@ TEST(PaperFit, HasOneTreeForFitAndMesh) {
   for (const std::uint32_t b : tree.leaves()) blocks.insert(key(b));
   for (const Support& s : data.supports) supports.insert({s.level, s.code});
   EXPECT_EQ(blocks, supports);
-  // Balance subdivides some of them. These keep their function: each of the mesh's blocks lies in one support's.
+  // Balance subdivides some of them, which keep their function: each of the mesh's blocks is in one support's block.
   tree.balance();
   EXPECT_GT(fit.report.balanced, 0u);
   EXPECT_GT(tree.leaves().size(), supports.size());
@@ -229,7 +229,7 @@ TEST(PaperFit, SubdividesForTwoSheetsWhateverTheThreshold) {
   EXPECT_EQ(fit.report.above, 0u);
   for (const double z : {-0.1, 0.1}) EXPECT_NEAR(paper_value(fit.field, {0.13, 0.21, z}), 0, 0.01);
   EXPECT_LT(paper_value(fit.field, {0.13, 0.21, 0.0}), 0);
-  // On the deepest level both have to share.
+  // On the deepest level both sheets share a support.
   options.max_depth = 2;
   EXPECT_GT(paper_fit(slab, options).report.above, 0u);
 }
@@ -249,7 +249,7 @@ TEST(PaperFit, SubdividesMoreThanAThousandSamplesWithoutAFit) {
   EXPECT_NEAR(paper_value(crowded.field, {0.3, 0.2, 0.1}), 0.1, 1e-6);
 }
 
-/// 64 samples carry a quartic; those in the children's supports do not.
+/// 64 samples determine a quartic; those in the children's supports do not.
 TEST(PaperFit, FewSamplesAreNotDividedWhereThatIsWorse) {
   PaperOptions options;
   options.coverage = kNoCoverage;
@@ -258,10 +258,10 @@ TEST(PaperFit, FewSamplesAreNotDividedWhereThatIsWorse) {
   EXPECT_EQ(few.report.kept, 1u);
   EXPECT_EQ(few.report.above, 1u);
   EXPECT_EQ(few.field.data().supports.size(), 1u);
-  // A hundred are divided without that question.
+  // A hundred samples are divided without that test.
   const PaperFit more = paper_fit(height_cloud(10, quartic, 1e-4), options);
   EXPECT_GT(more.field.data().supports.size(), 1u);
-  // So are few of a bowl, of which smaller planes leave less.
+  // So are few samples of a bowl, where smaller planes reduce the residual.
   options.threshold = 1e-3;
   options.max_degree = 1;
   const PaperFit bowl = paper_fit(height_cloud(9, quadric), options);
@@ -269,7 +269,7 @@ TEST(PaperFit, FewSamplesAreNotDividedWhereThatIsWorse) {
   EXPECT_GT(bowl.field.data().supports.size(), 1u);
 }
 
-/// Nearest sample, its 20 neighbours, their mean: looked up one by one.
+/// Reference for a borrowed plane: the nearest sample, its 20 neighbours, their mean, searched directly.
 TEST(PaperFit, BorrowsThePlaneOfTheNearestSamples) {
   PaperOptions options;
   options.threshold = 1e-4;
@@ -303,7 +303,7 @@ TEST(PaperFit, BorrowsThePlaneOfTheNearestSamples) {
   EXPECT_GT(borrowed, 20u);
 }
 
-/// Samples in a row: the least-squares plane stands across the surface, and only the normals know better.
+/// Samples in a row: the least-squares plane is perpendicular to the surface, and only the normals are correct.
 TEST(PaperFit, TakesTheMeanNormalWherePlanesStandAcross) {
   PointSet row;
   std::mt19937 random(4);
@@ -321,7 +321,7 @@ TEST(PaperFit, TakesTheMeanNormalWherePlanesStandAcross) {
     if (is_borrowed(fit.field.data().supports[i])) EXPECT_GT(fit.field.functions()[i].nu.z, 0.99f);
 }
 
-/// Within π/6 it is the positions that count: normals that are 20° off do not tilt borrowed planes.
+/// Within π/6 the positions decide: normals that are 20° off do not tilt borrowed planes.
 TEST(PaperFit, TakesTheLeastSquaresPlaneWhereNormalsAreALittleOff) {
   PointSet plane = height_cloud(40, [](double, double) { return 0.0; });
   for (Vec3f& n : plane.normals) n = normalized(Vec3f{std::tan(20 * std::numbers::pi_v<float> / 180), 0, 1});
@@ -333,7 +333,7 @@ TEST(PaperFit, TakesTheLeastSquaresPlaneWhereNormalsAreALittleOff) {
 
 TEST(PaperFit, TurnsWithItsSamples) {
   PaperOptions options;
-  options.coverage = kNoCoverage;  // the box of the samples is one of the frame, which does not turn along
+  options.coverage = kNoCoverage;  // the samples' box is axis-aligned in the frame and not rotated with it
   const PointSet cloud = test::torus(4000);
   PointSet turned = cloud;
   const auto turn = [](auto v) { return decltype(v){v.y, v.z, v.x}; };

@@ -1,4 +1,4 @@
-// Supports that get another degree, become constants or go: what changes, and what must not.
+// Supports that change their degree, become constants or are removed: intended changes and invariants.
 #include "sansmesh/partition/partition_edit.h"
 
 #include <gtest/gtest.h>
@@ -76,7 +76,7 @@ TEST(SetDegree, LeavesAllOthersUntouchedAndTakesCreasesAway) {
       EXPECT_EQ(edited.data.functions[i].next, 0);
     }
     for (const std::uint32_t i : others(f.data, chosen)) EXPECT_TRUE(same_support(edited.data, i, f.data, i)) << i;
-    // The tree of the mesh and its samples stay: shared, not copied.
+    // The tree of the mesh is shared, not copied.
     EXPECT_EQ(edited.data.flatness[2].gap.data(), f.data.flatness[2].gap.data());
   }
 }
@@ -111,7 +111,7 @@ TEST(SetConstant, Erases) {
                       value * f.data.functions[i].radius);
     }
     for (const std::uint32_t i : others(f.data, chosen)) EXPECT_TRUE(same_support(edited.data, i, f.data, i)) << i;
-    // Larger ones may be bounded by the radius.
+    // Larger values may be bounded by the radius.
     const double radius = f.data.functions[chosen[0]].radius, full = std::min<double>(value, 1) * radius;
     EXPECT_GT(value_at(edited.data, {0, 0, 1}), 0.5 * full);
   }
@@ -213,7 +213,7 @@ TEST(Edits, SayWhatTheyCannotDo) {
   options = {};
   options.error = -1;
   expect_error<ArgumentError>("error", [&] { refit(f.data, all, options, f.samples(), progress); });
-  // Samples of something else.
+  // Samples of another cloud.
   const std::vector<Vec3f> far(10, Vec3f{1, 1, 1} * 0.999f), up(10, Vec3f{0, 0, 1});
   expect_error<DataError>("samples", [&] { set_degree(f.data, all, 1, {far, up}, progress); });
   SupportQuery query;

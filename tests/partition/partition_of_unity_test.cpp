@@ -62,7 +62,7 @@ TEST(PartitionOfUnity, GradientMatchesDifferences) {
   std::vector<double> f(x.size());
   std::vector<Vec3> g(x.size());
   field.evaluate(x, f, g);
-  const double step = 1e-3;  // float arithmetic inside: smaller steps only see rounding
+  const double step = 1e-3;  // float arithmetic inside: smaller steps only show rounding
   for (std::size_t i = 0; i < x.size(); ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       Vec3 ahead = x[i], behind = x[i];
@@ -99,7 +99,7 @@ TEST(PartitionOfUnity, LearnsTheNoiseAndAveragesItAway) {
 
 TEST(PartitionOfUnity, KnowsNoiseThatIsLargeAgainstTheSpacing) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others fit noise, too");
-  // Small balls cut off what noise takes out of them; neither the noise nor the scale must be fooled by that.
+  // Small balls cut off the noise beyond them; this must not bias the estimated noise or the scale.
   constexpr std::size_t n = 30000;
   const double spacing = std::sqrt(4 * std::numbers::pi / n);
   for (const double ratio : {0.5, 1.0, 1.5, 2.0}) {
@@ -128,7 +128,7 @@ PointSet noisy_plate(std::size_t n, double thickness, double noise) {
   return cloud;
 }
 
-/// Root mean square of the function on both faces of that plate, off its borders.
+/// Root mean square of the function on both faces of that plate, away from its borders.
 double plate_error(const PartitionOfUnity& field, double thickness) {
   std::mt19937 generator(4);
   std::uniform_real_distribution<double> uniform(-0.8, 0.8);
@@ -143,8 +143,8 @@ double plate_error(const PartitionOfUnity& field, double thickness) {
 
 TEST(PartitionOfUnity, SmoothsThinWallsAlongThemselves) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others fit noise, too");
-  // Walls force small blocks, however flat they are, and fixed supports come with fits of their own size. A blend of
-  // wider fits must be nearer, by far where the wall leaves no room for larger blocks.
+  // Walls force small blocks even if they are flat, and fixed supports have fits of their own size. A blend of wider
+  // fits must be more exact, by far where the wall does not admit larger blocks.
   constexpr std::size_t n = 40000;
   const double spacing = std::sqrt(8.0 / n);
   for (const double sigmas : {4.0, 5.0, 6.0, 8.0}) {
@@ -163,7 +163,7 @@ TEST(PartitionOfUnity, TakesOnlyForNoiseWhatIsEverywhere) {
   const PointSet noisy = test::sphere(20000, noise);
   EXPECT_GT(scales(noisy).support, scales(noisy).fit);
   EXPECT_GT(scales(noisy).height, 3 * noise);
-  // The same on three quarters of it only: there may be shape.
+  // The same on three quarters only: the rest may be shape.
   PointSet uneven = noisy;
   for (std::size_t i = 0; i < uneven.size(); ++i)
     if (uneven.normals[i].z > 0.5f) uneven.positions[i] = uneven.normals[i];

@@ -1,5 +1,4 @@
-// What is known of a fitted function without evaluating it everywhere: slopes of its local functions, and what its
-// values lie between in balls.
+// Bounds of a fitted function: slopes of its local functions, and ranges of its values in balls.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +24,7 @@ Vec3 point_in_ball(Random& random, const Vec3& center, double radius) {
   return center + d * (random() % 2 ? radius : radius * std::cbrt(unit(random)));
 }
 
-/// ‖∇f‖ of one local function, by differences in double.
+/// ‖∇f‖ of one local function, by finite differences in double.
 double gradient_length(const LocalFunction& f, const Vec3& x) {
   const auto value = [&](const Vec3& p) {
     const Vec3 d = (p - Vec3(f.center)) / static_cast<double>(f.scale);
@@ -58,7 +57,7 @@ TEST(LocalSlope, IsNeverExceededAndNearlyReached) {
     tangent_frame(f.nu, f.xi, f.eta);
     for (std::size_t k = 0; k < static_cast<std::size_t>(kBasisSize[static_cast<std::size_t>(f.degree)]); ++k)
       f.coefficient[k] = 0.5f * gauss(random);
-    // Around another point than the function's, too.
+    // Also around another point than the function's centre.
     const Vec3f center = f.center + Vec3f{0.02f, 0.05f, -0.03f} * static_cast<float>(trial % 2);
     const float radius = trial % 3 == 0 ? 0.12f : 0.2f;
     const auto slope = static_cast<double>(local_slope(f, center, radius));
@@ -72,7 +71,7 @@ TEST(LocalSlope, IsNeverExceededAndNearlyReached) {
     if (f.degree == 1) {
       ASSERT_NEAR(slope, std::hypot(1, f.coefficient[1], f.coefficient[2]), 1e-3 * slope);
     }
-    ASSERT_LE(slope, 4 * largest) << trial;  // of polynomials as wild as these; those of fits are nearer
+    ASSERT_LE(slope, 4 * largest) << trial;  // for polynomials as wild as these; bounds for fits are tighter
   }
 }
 
@@ -95,7 +94,7 @@ struct Shape {
 };
 void PrintTo(const Shape& s, std::ostream* out) { *out << s.name; }
 
-/// No value lies outside of the ranges, whatever the ball.
+/// No value is outside of the ranges, for any ball.
 void expect_true_ranges(const PartitionOfUnity& field, std::size_t balls, std::size_t& bounded) {
   const PartitionData& data = field.data();
   Random random(11);
@@ -136,8 +135,8 @@ TEST_P(Ranges, HoldAllValues) {
   const PartitionOfUnity field = fitted(test::even_samples(GetParam().shape, GetParam().spacing));
   std::size_t bounded = 0;
   expect_true_ranges(field, 400, bounded);
-  EXPECT_GT(bounded, 400u);  // of 2400
-  // After edits, too: constants against the surface around them, fits of another degree, supports that are gone.
+  EXPECT_GT(bounded, 400u);  // out of 2400
+  // The same after edits: constants against the surface around them, fits of another degree, removed supports.
   Progress progress;
   SupportQuery query;
   query.half_space = SupportQuery::HalfSpace{{}, {1, 0, 0}};
@@ -163,7 +162,7 @@ INSTANTIATE_TEST_SUITE_P(Partition, Ranges,
                                          Shape{"tori_2", test::linked_tori(3, 0.05), 0.05}),
                          [](const auto& of) { return std::string(of.param.name); });
 
-/// Noise, holes, loose ends: whatever the samples are like.
+/// Noise, holes, loose ends: any samples.
 TEST(PartitionRanges, HoldAllValuesOfNonsense) {
   Random random(3);
   std::normal_distribution<float> gauss;
@@ -174,10 +173,10 @@ TEST(PartitionRanges, HoldAllValuesOfNonsense) {
   }
   std::size_t bounded = 0;
   expect_true_ranges(fitted(cloud), 500, bounded);
-  EXPECT_GT(bounded, 200u);  // of 3000
+  EXPECT_GT(bounded, 200u);  // out of 3000
 }
 
-/// Floats are coarse far from the origin, and so are values there.
+/// Floats, so values, are coarse far from the origin.
 TEST(PartitionRanges, HoldAllValuesFarAway) {
   test::ThinShape sphere;
   sphere.box = test::cube_of(1.2);
@@ -211,7 +210,7 @@ TEST(PartitionRanges, HoldAllValuesFarAway) {
   }
 }
 
-/// Where a function is a distance, a ball that reaches a tenth of the way to its surface is known to have none.
+/// If a function is a distance, a ball of a tenth of the distance to its surface has a range without 0.
 TEST(PartitionRanges, OfASphereTellWhereItIsNot) {
   test::ThinShape sphere;
   sphere.box = test::cube_of(1.2);
@@ -224,7 +223,7 @@ TEST(PartitionRanges, OfASphereTellWhereItIsNot) {
     std::vector<ValueRange> ranges(x.size());
     field.ranges(x, std::abs(off) / 10, ranges);
     const auto unsure = std::count_if(ranges.begin(), ranges.end(), [](const ValueRange& r) { return r.holds_zero(); });
-    EXPECT_LE(unsure, 3) << off;  // of 300: few places see a support whose function leads far astray
+    EXPECT_LE(unsure, 3) << off;  // out of 300: few points are in a support with a very wrong function
   }
 }
 

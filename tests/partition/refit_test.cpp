@@ -1,4 +1,4 @@
-// Supports that are fitted again: with the same options the same to the bit, with others only where that was asked for.
+// Refitted supports: identical to the bit with the same options, different only where requested with others.
 #include <algorithm>
 #include <string>
 
@@ -36,8 +36,8 @@ TEST(Refit, OfAllIsTheFitAgainToTheBit) {
   }
 }
 
-// Everything that a fit depends on lies within a few of its edges (samples, noise and risks of the neighbours), and
-// those samples are all there: a part comes out as it was as well, up to its rim.
+// All inputs of a fit are within a few of its edges (samples, noise and risks of the neighbours), and those samples are
+// all present: a part is reproduced exactly, up to its rim.
 TEST(Refit, OfAPartIsTheFitAgainToTheBit) {
   for (const auto& [name, cloud] : clouds()) {
     SCOPED_TRACE(name);

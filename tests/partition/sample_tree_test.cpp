@@ -50,7 +50,7 @@ TEST(SampleTree, CellsOfEveryLevelHoldTheirSamplesAndNoOthers) {
 }
 
 TEST(SampleTree, SamplesOfACellKeepTheirOrderHoweverManyThreadsSort) {
-  // More than a thread sorts at a time, and few enough cells that they hold samples of all of it.
+  // More samples than a thread sorts at a time, and cells few enough to hold samples of all chunks.
   std::mt19937 generator(3);
   std::vector<Vec3f> points(600000);
   for (Vec3f& p : points)

@@ -1,4 +1,4 @@
-// Supports that are chosen by what they are like.
+// Selection of supports by their properties.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -14,7 +14,7 @@ struct Block {
   Vec3 lower, upper, center;
 };
 Block block_of(const PartitionData& data, const Support& s) {
-  // Bit by bit: what morton_cell does at once.
+  // Bit by bit, the reference of morton_cell.
   Vec3 cell;
   for (unsigned bit = 0; bit < 3u * s.level; ++bit)
     if (s.code >> bit & 1) cell[bit % 3] += std::ldexp(1.0, static_cast<int>(bit / 3));
@@ -63,7 +63,7 @@ TEST(SelectSupports, EveryCriterionAndAllTogether) {
       for (std::uint8_t& flag : *q.flags) flag = random() % 2;
     }
     Selection expected;
-    bool close = false;  // to where float and double disagree
+    bool close = false;  // close to a bound, where float and double disagree
     for (std::uint32_t i = 0; i < data.supports.size(); ++i) {
       const Support& s = data.supports[i];
       const Block b = block_of(data, s);

@@ -1,4 +1,4 @@
-// Connected sheets of a function, and what stands for them.
+// Connected sheets of a function, and the samples that represent them.
 #include <algorithm>
 #include <numbers>
 #include <random>
@@ -65,12 +65,12 @@ TEST(FindSheets, CreasesDoNotCutASheet) {
     ASSERT_GT(f.data.report.creased, 10u);
     const Sheets sheets = find_sheets(f.data, f.positions);
     EXPECT_EQ(sheets.size(), 1u);
-    EXPECT_NEAR(sheets.area[0], 24, 3.6);  // of creased supports only the first piece counts
+    EXPECT_NEAR(sheets.area[0], 24, 3.6);  // only the first piece of creased supports counts
     EXPECT_NEAR(sheets.evidence[0], 1, 0.1);
   }
 }
 
-/// Both faces of a square plate of edge 2, without its rim, or with it.
+/// Both faces of a square plate of edge 2, with or without its rim.
 PointSet plate(float thickness, bool rim) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> uniform(-1, 1);
@@ -91,7 +91,7 @@ PointSet plate(float thickness, bool rim) {
 }
 
 TEST(FindSheets, SidesOfAPlateAreJoinedByItsRimAlone) {
-  // Parallel sides that face apart are two sheets, however near to each other; the rim, if sampled, makes them one.
+  // Parallel sides that face away from each other are two sheets at any distance; the rim, if sampled, joins them.
   const Fitted open = fit(plate(0.2f, false));
   const Sheets two = find_sheets(open.data, open.positions);
   ASSERT_EQ(two.size(), 2u);
@@ -111,7 +111,7 @@ TEST(FindSheets, ConstantsAreOnNone) {
   const Sheets sheets = find_sheets(edited.data, f.positions);
   EXPECT_EQ(sheets.size(), 1u);
   for (const std::uint32_t i : chosen) EXPECT_EQ(sheets.of_support[i], Sheets::kNone);
-  // A sheet cut in two by what was erased.
+  // The erased part divides a sheet in two.
   SupportQuery band;
   band.box = Box3f{{-2, -2, -0.05f}, {2, 2, 0.05f}};
   const EditResult halves = set_constant(f.data, select_supports(f.data, band), 1);

@@ -20,7 +20,7 @@ TEST(BilateralNormals, BecomeThoseOfTheFacesOfACube) {
   Progress progress;
   const ImplicitSurface field = make_implicit_surface(prepare_samples(cloud, progress), {}, progress);
   const BilateralNormals normals(field.samples(), {});
-  // On two faces, from 0.4 spacings off their common edge.
+  // Points on two faces, at least 0.4 spacings off their common edge.
   std::vector<Vec3> x;
   std::vector<Vec3> truth;
   const double spacing = field.report().spacing;
@@ -65,7 +65,7 @@ TEST(FaceField, IsTheHeightOverTheFaceNextToAnEdge) {
   const BilateralNormals normals(field.samples(), {});
   const FaceField faces(field, normals);
   const double spacing = field.report().spacing;
-  // Just inside two faces, next to their common edge: where the field rounds it off.
+  // Points just inside two faces, next to their common edge, where the field rounds it off.
   std::vector<Vec3> x;
   for (double y = -0.8; y <= 0.8; y += 0.01) {
     x.push_back({1 - 0.1 * spacing, y, 1 - 0.6 * spacing});

@@ -23,7 +23,7 @@ TEST(CurvatureColors, MapIsBlueWhiteRedAndEven) {
   EXPECT_EQ(diverging_color(-7), blue);
   EXPECT_EQ(diverging_color(std::numeric_limits<float>::infinity()), red);
   EXPECT_EQ(diverging_color(std::numeric_limits<float>::quiet_NaN()), white);
-  // Luminance falls from the middle to both ends, alike.
+  // Luminance decreases equally from the middle to both ends.
   const auto luminance = [](const Vec3f& c) {
     const auto linear = [](float v) { return std::pow(v, 2.2f); };
     return 0.2126f * linear(c.x) + 0.7152f * linear(c.y) + 0.0722f * linear(c.z);

@@ -15,7 +15,7 @@ namespace sansmesh::test {
 
 struct CurvedCloud {
   PointSet points;               ///< with true normals
-  std::vector<Vec3> direction1;  ///< of k1; zero where umbilic
+  std::vector<Vec3> direction1;  ///< direction of k1; zero where umbilic
   std::vector<double> k1, k2;
 };
 
@@ -56,7 +56,7 @@ inline CurvedCloud curved_cloud(Curved shape, std::size_t n, double noise, unsig
       const double spread = std::sqrt(std::max(0.0, mean * mean - gaussian));
       k1 = mean + spread;
       k2 = mean - spread;
-      // The shape operator is H / ‖∇‖ across the normal, H = diag(1/a², 1/b², 1/c²): its eigenvector to k1.
+      // The shape operator is H / ‖∇‖ across the normal, H = diag(1/a², 1/b², 1/c²). This is its eigenvector of k1.
       Vec3 t, q;
       tangent_frame(normal, t, q);
       const auto form = [&](const Vec3& e, const Vec3& f) {
@@ -76,7 +76,7 @@ inline CurvedCloud curved_cloud(Curved shape, std::size_t n, double noise, unsig
   return cloud;
 }
 
-/// Replaces the normals by estimated ones with the signs of the true ones: what users have.
+/// Replaces the normals by estimated ones with the signs of the true ones, the usual input.
 inline void use_estimated_normals(PointSet& points) {
   const std::vector<Vec3f> truth = points.normals;
   Progress progress;

@@ -27,7 +27,7 @@ std::vector<PrincipalCurvatures> curvatures(const PointSet& points, const Curvat
   return found;
 }
 
-/// Root mean square error of both curvatures over their own root mean square.
+/// Root mean square error of both curvatures over their root mean square.
 double relative_error(const CurvedCloud& truth, const std::vector<PrincipalCurvatures>& found) {
   double error = 0, size = 0;
   for (std::size_t i = 0; i < found.size(); ++i) {
@@ -62,12 +62,12 @@ TEST(Curvature, OfNoisySamplesWithEstimatedNormalsIsClose) {
   }
 }
 
-/// What noise in the heights of the neighbours does to the fit follows from its weights. N samples in a disc of radius
-/// R = 1.6 h, heights off by σ: directional curvatures are off by 2σ/r². With r² = h² t and weights w, the variance of
-/// their mean is 4σ² Σ w²/r⁴ / (Σ w)², the ones of the two other unknowns are twice as large, and so the relative error
-/// of both curvatures together is √5 times the root of it on a unit sphere. For M-like weights w = t² e⁻ᵗ the sums are
-/// integrals over t from 0 to 1.6²; for the others, the sum of w²/r⁴ is as large as its nearest sample wants it, whose
-/// r² is R²/N in the mean: their error does not fall with N at all.
+/// The effect of noise in the heights of the neighbours follows from the weights. With N samples in a disc of radius R
+/// = 1.6 h and height errors σ, directional curvatures have the errors 2σ/r². With r² = h² t and weights w, the
+/// variance of their mean is 4σ² Σ w²/r⁴ / (Σ w)², those of the two other unknowns are twice as large, and so the
+/// relative error of both curvatures together is √5 times the root of it on a unit sphere. For M-like weights w = t²
+/// e⁻ᵗ the sums are integrals over t from 0 to 1.6²; for the others, the nearest sample, with r² = R²/N in the mean,
+/// dominates the sum of w²/r⁴: their error does not decrease with N.
 TEST(Curvature, NeedsWeightsThatDistrustNearSamples) {
   const double noise = 0.002, end = 1.6 * 1.6;
   const CurvedCloud cloud = curved_cloud(Curved::sphere, 20000, noise, 4);
@@ -97,7 +97,7 @@ TEST(Curvature, NeedsWeightsThatDistrustNearSamples) {
   }
 }
 
-// With neighbourhoods of the size chosen for the noise: far larger ones have more bias the more the fit is free.
+// With neighbourhoods of the size chosen for the noise. In far larger ones the bias grows with the freedom of the fit.
 TEST(Curvature, OffsetAndSlopesPayWhereSamplesAndNormalsAreNoisy) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others run the same loops");
   for (const Curved shape : kShapes) {
@@ -152,7 +152,7 @@ TEST(Curvature, DirectionsAreThoseOfTheSurface) {
 TEST(Curvature, MovesWithTheCloudAndScalesInversely) {
   CurvedCloud cloud = curved_cloud(Curved::ellipsoid, 4000, 0.003, 7);
   const auto before = curvatures(cloud.points);
-  // A rotation by 2 asin 0.6 about (2, −1, 2)/3, as a quaternion; then a scale and a shift.
+  // A rotation by 2 asin 0.6 about (2, −1, 2)/3, as a quaternion; then a scale and a translation.
   const Vec3 q = Vec3{2, -1, 2} / 3 * 0.6;
   const double w = 0.8, scale = 7;
   const auto rotate = [&](const Vec3& p) { return p + cross(q, cross(q, p) + p * w) * 2.0; };
@@ -162,7 +162,7 @@ TEST(Curvature, MovesWithTheCloudAndScalesInversely) {
   const auto after = curvatures(moved);
   std::size_t same = 0, compared = 0;
   for (std::size_t i = 0; i < before.size(); ++i) {
-    // Rounding may exchange neighbours of like distance.
+    // Rounding may exchange neighbours of equal distance.
     same += std::abs(after[i].k1 * 7 - before[i].k1) < 0.01f && std::abs(after[i].k2 * 7 - before[i].k2) < 0.01f;
     if (before[i].k1 - before[i].k2 < 0.3f) continue;
     ++compared;
@@ -214,7 +214,7 @@ TEST(Curvature, AnywhereAgreesWithThatAtSamples) {
       EXPECT_NEAR(found[i].k1, at_samples[i].k1, 2e-3);
       EXPECT_NEAR(found[i].k2, at_samples[i].k2, 2e-3);
     }
-    // Between the surface and the points the offset tells the distance, and the curvatures are those of the surface.
+    // At points off the surface the offset is the distance, and the curvatures are those of the surface.
     for (std::size_t i = 0; i < x.size(); ++i) x[i] += normals[i] * 0.02;
     estimator.evaluate(x, normals, found);
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -222,7 +222,7 @@ TEST(Curvature, AnywhereAgreesWithThatAtSamples) {
       EXPECT_NEAR(found[i].offset, -0.02, 1e-3);
       EXPECT_NEAR(found[i].k1, 2.5, 0.2);
     }
-    // Far away there is nothing.
+    // Far away the curvatures are undefined.
     for (Vec3& p : x) p *= 10.0;
     estimator.evaluate(x, normals, found);
     for (const PrincipalCurvatures& c : found) EXPECT_FALSE(c.defined);

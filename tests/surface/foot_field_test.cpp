@@ -17,7 +17,7 @@ namespace {
 
 constexpr float kApart = 0.1f;
 
-/// Takes each point to a unit sphere about the origin, exactly, where it is within half of the radius.
+/// Projects points onto a unit sphere about the origin, exactly, within half of the radius.
 class SphereProjection final : public Projection {
  public:
   Box3 bounds() const override { return {{-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}}; }
@@ -33,7 +33,7 @@ class SphereProjection final : public Projection {
   }
 };
 
-/// Places about `apart` from each other on a sphere, on spirals, a little off it by turns.
+/// Points about `apart` from each other on spirals on a sphere, alternately a little off it.
 std::vector<Vec3f> beside_sphere(double apart, double off) {
   const auto n = static_cast<std::size_t>(4 * std::numbers::pi / (apart * apart));
   std::vector<Vec3f> places;
@@ -71,7 +71,7 @@ TEST(FootField, IsTheDistanceToASphere) {
   field.evaluate_in_domain(x, values, gradients, inside);
   for (std::size_t i = 0; i < x.size(); ++i) {
     ASSERT_EQ(inside[i], 1);
-    // A sphere is farther from its paraboloid than d³ of the distance d along it, at most 1.6 spacings.
+    // A sphere differs from its paraboloid by less than d³ at distance d along it, d at most 1.6 spacings.
     EXPECT_NEAR(values[i], norm(x[i]) - 1, 0.16 * 0.16 * 0.16);
     EXPECT_GT(dot(normalized(gradients[i]), normalized(x[i])), std::cos(0.02));
   }
@@ -114,7 +114,7 @@ TEST(FootField, IsUndefinedFarFromFeetAndThenAnotherFieldHolds) {
   EXPECT_NEAR(values[1], 0, 1e-3);
 }
 
-/// Two sheets closer to each other than supports are wide, facing away from each other: each keeps its own.
+/// Two sheets closer to each other than the width of supports, facing away from each other, are kept apart.
 TEST(FootField, KeepsSheetsApart) {
   SurfaceFeet feet;
   for (const double z : {0.04, -0.04})

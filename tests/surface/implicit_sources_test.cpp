@@ -1,4 +1,4 @@
-// What the sources of implicit surfaces say, against their formulas in double precision.
+// Implicit surfaces compared with the published formulas in double precision.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -23,7 +23,7 @@ ImplicitSurface make_of_source(const PointSet& cloud, ImplicitOptions options) {
   return make_implicit_surface(prepare_samples(cloud, progress, 0.0), options, progress);
 }
 
-/// Places off the surface by up to `most` spacings.
+/// Points off the surface by up to `most` spacings.
 std::vector<Vec3> places_off(const SurfaceSamples& samples, double most, std::size_t count) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> u(-1, 1);
@@ -37,7 +37,7 @@ std::vector<Vec3> places_off(const SurfaceSamples& samples, double most, std::si
   return x;
 }
 
-/// Values of the surface and of the reference agree, and so do gradients and differences of the reference.
+/// Checks values against the reference, and gradients against its finite differences.
 template <class Reference>
 void expect_formula(const ImplicitSurface& surface, const Reference& reference, double scale) {
   const std::vector<Vec3> x = places_off(surface.samples(), 0.25, 120);
@@ -59,7 +59,7 @@ void expect_formula(const ImplicitSurface& surface, const Reference& reference, 
 
 class SourceWeights : public testing::TestWithParam<SurfaceWeights> {};
 
-/// Adamson & Alexa: f = ⟨n, x − a⟩, n the direction of least Σ w ⟨n, x − x_i⟩².
+/// adamson2003: f = ⟨n, x − a⟩, n the direction of least Σ w ⟨n, x − x_i⟩².
 TEST_P(SourceWeights, AdamsonsNormalIsTheDirectionOfLeastCovariance) {
   const ImplicitSurface surface = make_of_source(
       test::torus(3000),
@@ -83,7 +83,8 @@ INSTANTIATE_TEST_SUITE_P(Both, SourceWeights, testing::Values(SurfaceWeights::co
                            return tested.param == SurfaceWeights::gaussian ? "gaussian" : "compact";
                          });
 
-/// Kolluri: Σ w ⟨x − x_i, n_i⟩ / Σ w, w = exp(−d²/h²) / A_i, A_i the samples in the ball of radius h around x_i.
+/// kolluri2005: Σ w ⟨x − x_i, n_i⟩ / Σ w, w = exp(−d²/h²) / A_i, A_i the number of samples in the ball of radius h
+/// around x_i.
 TEST(GaussianWeights, KolluriDividesByTheSamplesAround) {
   const ImplicitSurface surface =
       make_of_source(test::torus(3000), {.method = ImplicitMethod::kolluri, .weights = SurfaceWeights::gaussian});
@@ -104,7 +105,7 @@ TEST(GaussianWeights, KolluriDividesByTheSamplesAround) {
       surface.report().spacing);
 }
 
-/// ½⟨n, ∇_y e⟩ with e the mean of squared distances along n: differences of e with n fixed.
+/// amenta2004: ½⟨n, ∇_y e⟩ with e the mean of squared distances along n; finite differences of e with n fixed.
 TEST(GaussianWeights, ExtremalIsTheSlopeOfItsEnergy) {
   const ImplicitSurface surface =
       make_of_source(test::torus(3000), {.method = ImplicitMethod::extremal, .weights = SurfaceWeights::gaussian});
@@ -133,10 +134,11 @@ TEST(GaussianWeights, SpheresAreExactForAlgebraicSpheres) {
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_NEAR(values[i], norm(x[i]) - 1, 1e-5);
 }
 
-/// One h and equal weights: samples added on one half of a plate of two planes' mean pull it, compact ones do not.
+/// With one h and equal weights, samples added on one half of a plate pull the mean of two planes; compact weights do
+/// not.
 TEST(GaussianWeights, DoNotKnowTheDensity) {
   const auto height = [](SurfaceWeights weights) {
-    // Two sheets nearly in one, the upper one sampled four times as densely.
+    // Two nearly coincident sheets, the upper one sampled four times as densely.
     PointSet cloud;
     for (int i = -40; i <= 40; ++i)
       for (int j = -40; j <= 40; ++j)
@@ -169,7 +171,7 @@ std::vector<double> generating(const test::Weighed& all, const Vec3& x, double e
   return phi;
 }
 
-/// The iterations of tejada2008 §4.3.1 as they are written, at one point after another.
+/// The iterations of tejada2008, 4.3.1, exactly as published, one point after another.
 TEST(Amls, EpsilonAndWidthAndTheIteratedNormalsAreTheSources) {
   SANSMESH_NOT_SANITIZED("compares formulas; others evaluate the same");
   for (const int order : {2, 4, 6})
@@ -229,8 +231,8 @@ TEST(Amls, EpsilonIsAWidth) {
   EXPECT_EQ(values, others);
 }
 
-/// One round of the source's sharp normals is its formula; the radial weights of the bilateral ones are Gaussians on
-/// request.
+/// One round of the published sharp normals equals its formula; the radial weights of the bilateral ones are Gaussians
+/// on request.
 TEST(SharpNormals, LaguerreWeightsAreTheFormula) {
   Progress progress;
   const SurfaceSamples samples = prepare_samples(test::cube(3000), progress, 0.0);
@@ -271,7 +273,7 @@ TEST(SharpNormals, LaguerreWeightsAreTheFormula) {
   }
 }
 
-/// Next to an edge of evenly sampled faces they turn towards that of the face.
+/// Next to an edge of evenly sampled faces the normals turn towards that of the face.
 TEST(SharpNormals, LaguerreWeightsSharpenEdges) {
   SANSMESH_RUNS_ONCE("judges accuracy; others evaluate, too");
   PointSet cloud;
@@ -306,7 +308,7 @@ TEST(SharpNormals, LaguerreWeightsSharpenEdges) {
   EXPECT_LT(after, 0.3 * before);
 }
 
-/// The polynomial's negative values never turn a normal to the other side, however the samples lie.
+/// Negative values of the polynomial never turn a normal to the opposite side, for any distribution of samples.
 TEST(SharpNormals, LaguerreWeightsKeepTheSide) {
   Progress progress;
   const SurfaceSamples samples = prepare_samples(test::cube(4000), progress, 0.0);
@@ -324,7 +326,7 @@ TEST(SharpNormals, LaguerreWeightsKeepTheSide) {
   for (std::size_t i = 0; i < x.size(); ++i) EXPECT_GT(dot(refined[i], normals[i]), 0);
 }
 
-/// h and ε are bounded by what they make together.
+/// h and ε are bounded by their combination.
 TEST(ImplicitSources, WidthsAreJudgedWithEpsilon) {
   Progress progress;
   const SurfaceSamples samples = prepare_samples(test::sphere(600), progress, 0.0);

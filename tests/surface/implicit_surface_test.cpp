@@ -64,7 +64,7 @@ TEST_P(EveryMethod, IsTheSignedDistanceToAPlane) {
   std::vector<Vec3> gradients(x.size());
   std::vector<std::uint8_t> inside(x.size());
   f.evaluate_in_domain(x, values, gradients, inside);
-  // Orders 4 and 6 and the extremal energy measure distances off the surface in a scale of their own.
+  // Orders 4 and 6 and the extremal energy measure distances off the surface in another scale.
   const bool metric = GetParam() != "amls" && GetParam() != "extremal";
   for (std::size_t i = 0; i < x.size(); ++i) {
     EXPECT_TRUE(inside[i]);
@@ -89,7 +89,7 @@ TEST_P(EveryMethod, FindsASphere) {
     error += std::abs(found - distance);
     EXPECT_GT(dot(normalized(gradients[i]), normalized(x[i])), 0.98);
   }
-  // Spacing 0.04: planes are off by κ h² / 2 or so, spheres and higher orders are not.
+  // Spacing 0.04: planes have errors of about κ h² / 2, spheres and higher orders do not.
   const std::string& name = GetParam();
   const double limit = name == "apss" ? 1e-5 : name == "amls" ? 2e-4 : name == "dey" ? 3e-3 : 1.5e-3;
   EXPECT_LT(error / static_cast<double>(x.size()), limit);
@@ -119,7 +119,8 @@ TEST_P(EveryMethod, HasExactGradients) {
     const Vec3 numeric{(values[2] - values[1]) / (2 * kStep), (values[4] - values[3]) / (2 * kStep),
                        (values[6] - values[5]) / (2 * kStep)};
     const double error = norm(numeric - gradients[0]) / norm(gradients[0]);
-    // hoppe is piecewise linear: differences across a seam mean nothing, elsewhere the gradient is the sample's normal.
+    // hoppe is piecewise linear: finite differences across a seam are meaningless, elsewhere the gradient is the
+    // sample's normal.
     if (GetParam() == "hoppe" && error > 0.02) {
       ++seams;
       ++tested;
@@ -134,7 +135,7 @@ TEST_P(EveryMethod, HasExactGradients) {
 }
 
 TEST_P(EveryMethod, KeepsTwoSheetsApart) {
-  // A plate whose thickness is 1.2 spacings: less than the supports.
+  // A plate of thickness 1.2 spacings, less than the supports.
   PointSet plate = patch(50, 0.3, 5, 0.024f, 1);
   const PointSet bottom = patch(50, 0.3, 6, -0.024f, -1);
   plate.positions.insert(plate.positions.end(), bottom.positions.begin(), bottom.positions.end());
@@ -152,7 +153,7 @@ TEST_P(EveryMethod, KeepsTwoSheetsApart) {
     EXPECT_EQ(values[i] < 0, std::abs(x[i].z) < 0.024) << x[i].z;
     ++(std::abs(x[i].z) < 0.024 ? within : x[i].z > 0 ? above : below);
   }
-  // Steps of 0.001 at three places: at least half a spacing deep on each side of both sheets.
+  // Steps of 0.001 at three points: at least half a spacing deep on each side of both sheets.
   for (const std::size_t n : {within, above, below}) EXPECT_GT(n, 30u);
 }
 
@@ -209,7 +210,7 @@ INSTANTIATE_TEST_SUITE_P(Implicit, EveryMethod,
                                                                     std::end(kImplicitMethods))),
                          [](const auto& test) { return test.param; });
 
-/// METHODS §2.3 to the letter, slowly: g_i fixed at x, iterated anew for each x.
+/// The iteration of tejada2008, 4.3.1, exactly as published: g_i fixed at x, iterated again for each x.
 double iterated_by_definition(const SurfaceSamples& s, double width, int order, int iterations, const Vec3& x) {
   const std::size_t n = s.size();
   const auto laguerre = [order](double r) {
@@ -299,7 +300,7 @@ TEST(IteratedPlanes, CrossValidationSmoothsNoiseAndFollowsCleanSamples) {
   for (std::size_t i = 0; i < noisy.size(); ++i) noisy.positions[i] += noisy.normals[i] * g(random);
   const auto rough = detail::choose_iterations(prepare_samples(noisy, progress), options, 0, -1);
   EXPECT_LT(clean.smoothing, rough.smoothing);
-  EXPECT_NEAR(rough.error, 0.02, 0.006);  // what remains is the noise of the sample left out
+  EXPECT_NEAR(rough.error, 0.02, 0.006);  // the remaining error is the noise of the sample left out
   EXPECT_LT(clean.error, 0.002);
 }
 
@@ -324,7 +325,7 @@ TEST(IteratedPlanes, TheNoiseChoosesTheOrder) {
 }
 
 TEST(ImplicitSurface, NoiseMakesNoSpots) {
-  // No second zero between the surface and what lies well outside or inside, and gradients that look outward.
+  // There is no second zero between the surface and points well outside or inside, and gradients point outward.
   const PointSet cloud = test::sphere(6000, 0.03);  // ⅔ of a spacing
   for (const ImplicitMethod method : {ImplicitMethod::extremal, ImplicitMethod::hoppe}) {
     ImplicitOptions o;

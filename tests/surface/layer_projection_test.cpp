@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kSpacing = 0.05;
 
-/// Lattice points of spacing 0.05 near a surface that `distance` (with its gradient) tells, weighted as a layer one
-/// spacing thick; turned against the axes so that no plane of them lies in the surface.
+/// Lattice points of spacing 0.05 near the surface of a `distance` with gradient, weighted as a layer one spacing
+/// thick; rotated so that no lattice plane is in the surface.
 template <class Distance>
 LayerSamples layer_of(const Distance& distance) {
   LayerSamples found;
@@ -76,7 +76,8 @@ TEST(LayerProjection, OneStepLandsOnASphereOfTheRightCurvature) {
       EXPECT_GT(dot(f.normal, normalized(f.position)), std::cos(0.01));  // outward, to half a degree
       xx += f.xx, xy += f.xy, yy += f.yy;
     }
-    // Away from q the weights by distance pull the layer's middle towards the plane: a third is missing.
+    // Away from q the weights by distance pull the layer's middle towards the plane: a third of the curvature is
+    // missing.
     const auto n = static_cast<double>(x.size());
     EXPECT_NEAR(xx / n, -0.7, 0.1);
     EXPECT_NEAR(xy / n, 0, 0.05);
@@ -84,7 +85,7 @@ TEST(LayerProjection, OneStepLandsOnASphereOfTheRightCurvature) {
   }
 }
 
-/// From as far away as a ball reaches; without a weight by distance the place of the sphere is not as exact.
+/// From the largest distance within a ball; without weights by distance the position of the sphere is less exact.
 TEST(LayerProjection, PredictorFindsTheLayerFromAfar) {
   LayerSamples layer = layer_of(to_sphere);
   for (float& r : layer.reach) r *= 3;
@@ -100,7 +101,7 @@ TEST(LayerProjection, PredictorFindsTheLayerFromAfar) {
   }
 }
 
-/// In turns, direction and offset arrive at the plane of least squares, if they start near it.
+/// Alternating direction and offset converge to the plane of least squares, if they start near it.
 TEST(LayerProjection, AlternationEndsAtTheMinimumThatIsKnown) {
   const LayerSamples layer = layer_of(to_sphere);
   const std::vector<Vec3> x = beside(layer, 0.2);
@@ -119,7 +120,7 @@ TEST(LayerProjection, LeavesAPlaneInPlaceWhateverTheLattice) {
   const LayerSamples layer = layer_of(to_plane);
   const std::vector<Vec3> x = beside(layer, 0.4);
   Vec3 normal;
-  // Not next to the box's faces, where only one side is sampled.
+  // Without the box's faces, where only one side is sampled.
   std::vector<Vec3> inner;
   for (const Vec3& p : x)
     if (std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}) < 1) inner.push_back(p);
@@ -131,7 +132,7 @@ TEST(LayerProjection, LeavesAPlaneInPlaceWhateverTheLattice) {
   }
 }
 
-/// A wall of four spacings: without regard to where samples face its sides would pull at each other.
+/// A wall of four spacings: if the direction of samples were ignored, its sides would attract each other.
 TEST(LayerProjection, KeepsTheSidesOfAThinWallApart) {
   constexpr double kHalf = 2 * kSpacing;
   const auto wall = [&](const Vec3& x, Vec3& normal) {

@@ -22,7 +22,7 @@ PointSet run(const PointSet& points, const LopOptions& options = {}) {
   return consolidate(points, options, progress);
 }
 
-/// What `unevenness` is of points that are independent of each other on a surface.
+/// `unevenness` of independent random points on a surface.
 const double kRandom = std::sqrt(4 / std::numbers::pi - 1);
 
 /// Standard deviation over mean of the distances to the nearest other point.
@@ -107,7 +107,7 @@ TEST(Lop, OutliersHaveNoPull) {
   const std::vector<double> with = distances(run(dirty)), without = distances(run(clean));
   const std::size_t most = with.size() * 99 / 100;
   EXPECT_LT(with[most], 1.3 * without[most]);
-  // Hardly any point stays out there.
+  // Hardly any point stays far out.
   EXPECT_LT(std::count_if(with.begin(), with.end(), [](double d) { return d > 0.03; }), 10);
 }
 

@@ -1,4 +1,4 @@
-// What the sources of projections say, against their formulas in double precision.
+// Projections compared with the published formulas in double precision.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -29,7 +29,7 @@ ProjectionSurface project_onto(const PointSet& cloud, ProjectionOptions options)
   return make_projection_surface(prepare_samples(cloud, progress, 0.0), options, progress);
 }
 
-/// A neighbourhood of a surface of height f over the unit disc's plane, with Gaussian weights of width h.
+/// Neighbourhood of a surface of height f over the unit disc's plane, with Gaussian weights of width h.
 template <class Height>
 std::vector<WeighedSample> neighbourhood(const Height& f, double h, unsigned seed = 1, std::size_t count = 200) {
   std::mt19937 random(seed);
@@ -42,7 +42,7 @@ std::vector<WeighedSample> neighbourhood(const Height& f, double h, unsigned see
   return samples;
 }
 
-/// Solves the full system by Gauss's elimination with pivots.
+/// Solves the full system by Gaussian elimination with pivoting.
 std::vector<double> solve_fully(std::vector<std::vector<double>> a, std::vector<double> b) {
   const std::size_t n = b.size();
   for (std::size_t c = 0; c < n; ++c) {
@@ -84,8 +84,8 @@ TEST(LevinPlane, HasExactDerivatives) {
   }
 }
 
-/// No direction and offset nearby has less energy, and there the derivatives vanish; that is not so where the iteration
-/// of planes about their own foot ends.
+/// No nearby direction and offset have less energy, and the derivatives vanish there; neither holds at the end of the
+/// iteration of planes about their own foot.
 TEST(LevinPlane, IsTheMinimum) {
   const auto samples = neighbourhood([](double x, double y) { return 0.8 * x * x + 0.3 * x * y; }, 0.35, 4, 60);
   const Vec3 r{0.1, 0.05, 0.15};
@@ -163,7 +163,7 @@ TEST(PlanePolynomial, LowersItsDegreeWhereSamplesAreFew) {
 
 class LevinOf : public testing::TestWithParam<SurfaceWeights> {};
 
-/// The whole operator: descent by differences, then the normal equations of all samples.
+/// The whole operator: descent by finite differences, then the normal equations of all samples.
 TEST_P(LevinOf, ProjectsAsTheSourceSays) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others project, too");
   for (const int degree : {1, 2, 3, 4, 0}) {
@@ -193,7 +193,7 @@ TEST_P(LevinOf, ProjectsAsTheSourceSays) {
       Vec3 n = all.least_covariance(x[k], all.mean(x[k])), a, b;
       tangent_frame(n, a, b);
       double t = dot(n, all.mean(x[k]) - x[k]), least = energy(n, t);
-      // Shrinking steps along three directions, as long as one of them goes down.
+      // Shrinking steps along three directions while one of them reduces the energy.
       for (double step = 0.1; step > 1e-7;) {
         bool lower = false;
         for (const double sign : {-1.0, 1.0})
@@ -237,7 +237,7 @@ INSTANTIATE_TEST_SUITE_P(Both, LevinOf, testing::Values(SurfaceWeights::compact,
                            return tested.param == SurfaceWeights::gaussian ? "gaussian" : "compact";
                          });
 
-/// Halving the spacing divides the error by 2^(d + 1), by 2^(d + 2) for even degrees.
+/// Halving the spacing divides the error by 2^(d + 1), and by 2^(d + 2) for even degrees.
 TEST(LevinDegrees, SpheresConvergeAtTheirOrder) {
   SANSMESH_RUNS_ONCE("scalar code");
   const auto error = [](Polynomial polynomial, std::size_t n) {
@@ -259,7 +259,7 @@ TEST(LevinDegrees, SpheresConvergeAtTheirOrder) {
   EXPECT_NEAR(std::log2(error(Polynomial::quartic, 300) / error(Polynomial::quartic, 1200)), 6, 0.9);
 }
 
-/// A ridge: samples of two planes, with those of one side far off the tangent plane of the other.
+/// A ridge of two planes, with samples of one side far off the tangent plane of the other.
 std::vector<WeighedSample> ridge() {
   return neighbourhood([](double x, double) { return x < 0.1 ? 0.0 : -1.2 * (x - 0.1); }, 0.3, 8, 400);
 }
@@ -274,7 +274,7 @@ TEST(Diffusion, EndsAtItsFixedPoint) {
       const Vec3 n{0, 0, 1}, q{0, 0, 0.05};
       const double h = 0.3, most = 0.5 / h;
       const Vec3 x = detail::diffuse(samples, kernel, q, n, h, along);
-      // Σ ω_i g_i (x_i − x) at any place, as it is written.
+      // Σ ω_i g_i (x_i − x) at any point, exactly as published.
       const auto flow = [&](const Vec3& at) {
         Vec3 sum;
         double weights = 0;
@@ -291,7 +291,7 @@ TEST(Diffusion, EndsAtItsFixedPoint) {
         return along ? n * dot(n, sum) : sum;
       };
       if (function < 2) EXPECT_LT(norm(flow(x)), 2e-7 * h) << along << function;
-      // Where the hard function jumps, the flow changes its side within nothing.
+      // Where the hard function jumps, the flow changes its sign.
       if (function == 2 && along && norm(flow(x)) > 2e-7 * h)
         EXPECT_LT(dot(flow(x + n * (0.01 * h)), flow(x - n * (0.01 * h))), 0);
       Vec3 slow = q;
@@ -308,12 +308,12 @@ TEST(Diffusion, FunctionsDiffer) {
     kernel.diffusion = function > 0, kernel.hard = function == 2, kernel.threshold = 0.5f;
     z[static_cast<std::size_t>(function)] = detail::diffuse(ridge(), kernel, {0, 0, 0.02}, {0, 0, 1}, 0.3, true).z;
   }
-  // The plane's own height is 0: the ridge's other side pulls the mean down, less by Lange's function.
+  // The plane's own height is 0: the ridge's other side pulls the mean down, less with the function of lange2005.
   EXPECT_LT(z[0], z[1] - 0.005);
   EXPECT_GT(std::abs(z[1] - z[2]), 0.001);
 }
 
-/// Hard is 0, not nearly so: a sample far off that alone exceeds λ changes nothing.
+/// Hard weights are exactly 0: a distant sample that alone exceeds λ changes nothing.
 TEST(Diffusion, HardIsZeroBeyondTheThreshold) {
   PointSet plane;
   for (int i = -20; i <= 20; ++i)
@@ -322,7 +322,7 @@ TEST(Diffusion, HardIsZeroBeyondTheThreshold) {
   with.positions.push_back({0.05f, 0.05f, 0.12f});
   plane.positions.push_back({1.95f, 1.95f, 0});  // as many samples, elsewhere
   plane.normals.assign(plane.size(), {0, 0, 1}), with.normals = plane.normals;
-  // From the plane itself, whose samples all have no curvature; the mean plane is pulled up by the stray, though.
+  // Starting points are on the plane, whose samples have no curvature; the stray sample pulls up the mean plane only.
   for (const Flow flow : {Flow::fit, Flow::normal}) {
     ProjectionOptions o{.bandwidth = 0.2, .diffusion = Diffusion::hard, .threshold = 0.4, .flow = flow};
     const std::vector<Vec3> x{{0.05, 0.05, 0}};
@@ -360,8 +360,8 @@ TEST(DirectionalCurvatures, AreTheLeastSquaresOfTheSource) {
   }
 }
 
-/// The fixed point of means lies below the surface by ½ κ times the mean of ρ². Seen from there a sphere bends less:
-/// the fit without an offset finds 1 − 1/τ of the curvature, the one with it all.
+/// The fixed point of means is below the surface by ½ κ times the mean of ρ². Seen from there a sphere has less
+/// curvature: the fit without an offset finds 1 − 1/τ of the curvature, the fit with it all.
 TEST(Diffusion, ItsFixedPointHidesCurvature) {
   const PointSet cloud = test::sphere(20000);
   for (const int tau : {1, 2, 3}) {
@@ -386,7 +386,7 @@ TEST(Diffusion, ItsFixedPointHidesCurvature) {
   }
 }
 
-/// Gaussians in the kernels of the default formulas against the scalar code, which shares nothing with them.
+/// Gaussian weights in the kernels of the default formulas against the scalar code, which is independent of them.
 TEST(GaussianProjections, TheKernelsAgreeWithTheFormulas) {
   const PointSet cloud = test::torus(3000);
   Progress progress;

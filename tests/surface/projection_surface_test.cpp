@@ -130,7 +130,8 @@ TEST(Projection, LevinAgreesWithAlexaOnceItStandsStill) {
   const ProjectionSurface alexa = make(cloud, {.method = ProjectionMethod::alexa, .smoothing = 1.5});
   const std::vector<Vec3> x = near_samples(cloud, 0.02, 8);
   std::vector<FootPoint> a(x.size()), b(x.size());
-  // One step of Levin's operator is close to where Alexa's ends: its plane does not depend on the offset of the point.
+  // One step of Levin's operator ends close to Alexa's fixed point: its plane does not depend on the offset of the
+  // point.
   levin.project(x, a);
   project_to_fixed_point(alexa, x, 1e-5, 20, b);
   double difference = 0, distance = 0;

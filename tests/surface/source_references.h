@@ -1,4 +1,4 @@
-// The formulas of the sources in double precision, a sum over all samples each: slow and obvious.
+// Published formulas in double precision with a sum over all samples: slow reference implementations.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace sansmesh::test {
 
-/// A surface's samples, in the order that it holds them, with the widths and weights that its documentation says.
+/// A surface's samples in its order, with the documented widths and weights.
 struct Weighed {
   std::vector<Vec3> x, n;
   std::vector<double> h, factor;
@@ -31,7 +31,8 @@ struct Weighed {
     if (gaussian) return r < 12 ? factor[i] * std::exp(-r) : 0;
     return factor[i] * std::pow(std::max(0.0, 1 - r / 4), 4);
   }
-  double width(const Vec3& at) const {  // of the weights there
+  // Width of the weights at a point.
+  double width(const Vec3& at) const {
     double sum = 0, weights = 0;
     for (std::size_t i = 0; i < x.size(); ++i) sum += weight(i, at) * h[i] * h[i], weights += weight(i, at);
     return std::sqrt(sum / weights);
@@ -47,7 +48,7 @@ struct Weighed {
     for (std::size_t i = 0; i < x.size(); ++i) sum += n[i] * weight(i, at);
     return normalized(sum);
   }
-  /// The direction of least Σ w ⟨n, x_i − about⟩², on the side of the mean normal.
+  /// Direction of least Σ w ⟨n, x_i − about⟩², on the side of the mean normal.
   Vec3 least_covariance(const Vec3& at, const Vec3& about) const {
     Symmetric3 c;
     for (std::size_t i = 0; i < x.size(); ++i) c.add(x[i] - about, weight(i, at));

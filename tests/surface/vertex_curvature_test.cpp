@@ -16,7 +16,7 @@
 namespace sansmesh::test {
 namespace {
 
-/// The radius of the tube of torus_mesh.
+/// Tube radius of torus_mesh.
 constexpr double kTube = 0.35;
 
 PointSet samples_of(const TriangleMesh& mesh) {
@@ -72,8 +72,7 @@ TEST(VertexCurvature, OfToriIsTheBetterTheFinerTheyAre) {
 }
 
 TEST(VertexCurvature, GradedTrianglesAreNoHarm) {
-  // Rings lie on all sides of a vertex, where the nearest vertices are on one. Here edges grow ninefold around the
-  // tube.
+  // Rings are on all sides of a vertex, the nearest vertices on one only. Here edges grow ninefold around the tube.
   TriangleMesh mesh = torus_mesh(96, 48);
   for (Vec3f& p : mesh.vertices) {
     const double u = std::atan2(p.y, p.x);
@@ -130,7 +129,7 @@ TEST(VertexCurvature, SeamsAreNoBorders) {
 }
 
 TEST(VertexCurvature, WhatLiesBehindAHubIsNotNear) {
-  // A disc of many spokes with a wide rim. What happens to the rim on one side changes nothing on the other.
+  // A disc of many spokes with a wide rim. A change of the rim on one side has no effect on the other.
   constexpr std::uint32_t n = 300, rows = 12;
   PointSet disc;
   disc.positions.push_back({});
@@ -165,7 +164,7 @@ TEST(VertexCurvature, WhatLiesBehindAHubIsNotNear) {
 }
 
 TEST(VertexCurvature, CapsOfManySpokesDoNotBendTheSide) {
-  // A can of radius 1, its side of rows that are farther apart than its spokes.
+  // A can of radius 1; the rows of its side are farther apart than its spokes.
   constexpr std::uint32_t n = 400, rows = 9;
   TriangleMesh can;
   for (std::uint32_t r = 0; r < rows; ++r)

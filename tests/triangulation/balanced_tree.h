@@ -1,4 +1,4 @@
-// A slow, obvious 2:1 balanced tree for the tests: the set of its subdivided blocks.
+// A slow reference implementation of a 2:1 balanced tree: the set of its subdivided blocks.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// Balanced over faces and (in three dimensions) edges, but not over corners: no more than the triangulation asks for.
+/// Balanced over faces and (in three dimensions) edges, but not over corners, as the triangulation requires.
 template <int N>
 class BalancedTree final : public BlockView<N> {
  public:
@@ -32,7 +32,7 @@ class BalancedTree final : public BlockView<N> {
   }
   const BlockCell<N>& roots() const { return roots_; }
 
-  /// Subdivides a block, and before that all it needs.
+  /// Subdivides a block, and first all blocks that balance requires.
   void subdivide(int level, const BlockCell<N>& cell) {
     for (std::size_t k = 0; k < N; ++k)
       if (cell[k] < 0 || cell[k] >> level >= roots_[k]) return;
@@ -54,7 +54,7 @@ class BalancedTree final : public BlockView<N> {
     inner_.insert({level, cell});
   }
 
-  /// Subdivides towards random points, and now and then a random block.
+  /// Subdivides towards random points, and sometimes a random block.
   static BalancedTree random(unsigned seed, const BlockCell<N>& roots, int depth, int points) {
     std::mt19937 generator(seed);
     BalancedTree tree(roots);

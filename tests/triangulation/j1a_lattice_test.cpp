@@ -1,4 +1,4 @@
-// The tables that cut whole blocks (polygonize/lattice.h) and the algebra of single simplices agree.
+// Agreement of the tables that cut whole blocks (polygonize/lattice.h) with the algebra of single simplices.
 #include <gtest/gtest.h>
 
 #include <algorithm>

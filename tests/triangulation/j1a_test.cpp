@@ -26,7 +26,7 @@ std::int64_t factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
 template <int N>
 using Corners = std::array<LatticeVertex<N>, N + 1>;
 
-// N! times the signed volume, along the first column of the matrix.
+// N! times the signed volume, expanded along the first column of the matrix.
 template <std::size_t M>
 std::int64_t determinant_of(const std::array<std::array<std::int64_t, M>, M>& m) {
   if constexpr (M == 1) {
@@ -52,7 +52,7 @@ std::int64_t determinant(const Corners<N>& v) {
   return determinant_of<N>(m);
 }
 
-// Divided by a unit that all of them are multiples of, so that products fit.
+// Divides by a common unit, so that products fit.
 template <int N>
 Corners<N> coarser(Corners<N> v, std::int64_t unit) {
   for (auto& p : v)
@@ -96,8 +96,8 @@ bool on_boundary(const Face<N>& face, const BlockCell<N>& roots) {
   return false;
 }
 
-// The theorems, on one tree: fill, conformity, pivots against brute force, canonical tuples. Returns how many simplices
-// there are for each h.
+// Checks the theorems on one tree: filling, conformity, pivots against brute force, canonical tuples. Returns the
+// number of simplices for each h.
 template <int N>
 std::array<std::size_t, N + 1> check_tree(const BlockView<N>& tree,
                                           const std::vector<std::pair<int, BlockCell<N>>>& leaves,
@@ -154,7 +154,7 @@ std::array<std::size_t, N + 1> check_tree(const BlockView<N>& tree,
       EXPECT_EQ(pivot(tree, *other, i), s);
       const Corners<N> v = vertices(s), w = vertices(*other);
       for (int k = 0; k <= N; ++k) EXPECT_EQ(v[static_cast<std::size_t>(k)] == w[static_cast<std::size_t>(k)], k != i);
-      // The two lie on either side.
+      // The two are on opposite sides.
       EXPECT_EQ(orientation(s), -orientation(*other));
     }
   }
@@ -204,7 +204,7 @@ TEST(J1a, TilesRandomTreesInSpaceAndTime) {
   for (const std::size_t n : seen) EXPECT_GT(n, 1000u);
 }
 
-// Sets of refined faces and edges: each of the 26 neighbours subdivided alone, then random ones, few and many.
+// Sets of refined faces and edges: each of the 26 neighbours subdivided alone, then random sets, few and many.
 TEST(J1a, TilesTransitionBlocks) {
   std::mt19937 random(5);
   for (int trial = 0; trial < 600; ++trial) {
@@ -255,7 +255,7 @@ TEST(J1a, TilesTransitionBlocksOfFourDimensions) {
   }
 }
 
-// The tree of the library, in any number of dimensions: deep towards random corners, then balanced.
+// The library's tree in N dimensions: deep towards random corners, then balanced.
 template <int N>
 void check_own_tree(unsigned seed, int depth) {
   std::mt19937 random(seed);
@@ -279,7 +279,7 @@ void check_own_tree(unsigned seed, int depth) {
     ASSERT_TRUE(found.has_value());
     EXPECT_EQ(found->cell, cell);
     EXPECT_EQ(found->level, blocks[b].level);
-    // Neighbours differ by one level at most.
+    // Neighbours differ by at most one level.
     int size = 1;
     for (int k = 0; k < N; ++k) size *= 3;
     for (int index = 0, rest = 0; index < size; ++index) {
@@ -302,7 +302,7 @@ TEST(J1a, TilesTheTreesOfTheLibraryInAllDimensions) {
   check_own_tree<4>(3, 2);
 }
 
-// Exactly one simplex contains a point inside: all of a leaf are tried.
+// Exactly one simplex contains a point inside; all simplices of a leaf are tested.
 template <int N>
 void check_covering(unsigned seed) {
   const auto tree = BalancedTree<N>::random(seed, one_root<N>(), 3, 2);
@@ -369,7 +369,7 @@ TEST(J1a, TilesTheLibrarysOwnTree) {
   check_tree<3>(tree, leaves, one_root<3>());
 }
 
-// A tuple is valid exactly if the enumeration lists it.
+// A tuple is valid if and only if the enumeration lists it.
 template <int N>
 void check_validity(const BlockView<N>& tree, int level, const BlockCell<N>& cell) {
   std::set<decltype(key(Simplex<N>{}))> listed;
@@ -410,7 +410,7 @@ template <int N>
 void check_locate(unsigned seed, const BlockCell<N>& roots) {
   const auto tree = BalancedTree<N>::random(seed, roots, N < 4 ? 5 : 3, 3);
   std::mt19937 random(seed);
-  // Points on grids of different coarseness: many on faces, edges, vertices and walls.
+  // Points on grids of different coarseness: many on faces, edges, vertices and the boundary.
   constexpr int kBits = N < 4 ? 15 : 12;  // products of N coordinates fit
   constexpr std::int64_t kUnit = kLatticeEdge >> kBits;
   for (int trial = 0; trial < 3000; ++trial) {
@@ -470,14 +470,14 @@ void check_walk(unsigned seed, int depth) {
       result[i] = is_inside(v[i]);
     }
   };
-  // From one simplex all round the sphere.
+  // The walk from one simplex reaches the whole sphere.
   const auto first =
       std::find_if(everything.begin(), everything.end(), [&](const auto& s) { return crossing.count(key(s)); });
   std::vector<Simplex<N>> walked = walk_crossing<N>(tree, std::span(&*first, 1), inside);
   std::set<decltype(key(Simplex<N>{}))> reached;
   for (const auto& s : walked) EXPECT_TRUE(reached.insert(key(s)).second);
   EXPECT_EQ(reached, crossing);
-  // More seeds than needed, and such as do not cross, change nothing.
+  // More seeds than needed, and seeds that do not cross, change nothing.
   asked.clear();
   EXPECT_EQ(walk_crossing<N>(tree, everything, inside).size(), crossing.size());
   asked.clear();

@@ -30,7 +30,7 @@ double determinant(const std::array<std::array<double, M>, M>& m) {
 
 double binomial(int n, int k) { return k == 0 ? 1 : binomial(n - 1, k - 1) * n / k; }
 
-// In random simplices: pieces look to the positive side, and their measure is what is known in closed form.
+// In random simplices: pieces face the positive side, and their measure equals the closed form.
 template <int N>
 void check_pieces() {
   std::mt19937 random(N);
@@ -92,7 +92,7 @@ TEST(SimplexCut, PiecesFillTheZeroSetAndLookUp) {
   check_pieces<4>();
 }
 
-// The part of the cut that lies in the face opposite vertex i is the cut of that face.
+// The part of the cut in the face opposite vertex i equals the cut of that face.
 template <int N>
 void check_faces() {
   for (unsigned positive = 1; positive + 1 < 1u << (N + 1); ++positive)

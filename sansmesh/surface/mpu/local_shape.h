@@ -1,4 +1,4 @@
-// What multi-level partition of unity implicits are made of: quadrics, alone or combined at an edge or a corner.
+// Local shapes of multi-level partition of unity implicits: quadrics, alone or combined at an edge or a corner.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace sansmesh::inline v1 {
 
-/// q(x) = xᵀ A x + b·x + c, x relative to a centre of its own; A is symmetric.
+/// q(x) = xᵀ A x + b·x + c, x relative to the centre of the quadric; A is symmetric.
 struct QuadricPiece {
   double xx = 0, xy = 0, xz = 0, yy = 0, yz = 0, zz = 0;
   Vec3 b;
@@ -35,29 +35,30 @@ struct QuadricPiece {
     xx += 2 * s * u.x * v.x, yy += 2 * s * u.y * v.y, zz += 2 * s * u.z * v.z;
     xy += s * (u.x * v.y + v.x * u.y), xz += s * (u.x * v.z + v.x * u.z), yz += s * (u.y * v.z + v.y * u.z);
   }
-  /// The same function of places that are relative to another centre: x + by there is x here.
+  /// The same function for points relative to another centre: x + by there is x here.
   QuadricPiece seen_from(const Vec3& by) const {
     QuadricPiece q = *this;
     q.b = gradient(by), q.c = value(by);
     return q;
   }
-  /// ‖A‖ as a vector of nine entries: no less than its largest eigenvalue.
+  /// Frobenius norm of A, at least its largest absolute eigenvalue.
   double bend() const { return std::sqrt(xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz)); }
 };
 
-/// At an edge or a corner at most so many quadrics meet.
+/// Largest number of quadrics that meet at an edge or a corner.
 inline constexpr std::size_t kMostPieces = 4;
 
-/// How the pieces of a shape become one function, by maxima (what is common to two solids) and minima.
+/// Combination of the pieces of a shape into one function, by maxima (intersection of solids) and minima (union).
 struct PieceCombination {
-  std::uint8_t pieces = 1;    ///< 1..kMostPieces
-  std::uint8_t maxima = 0;    ///< bit k: step k takes the larger one
-  std::uint8_t in_pairs = 0;  ///< 1: of four pieces, step 0 joins 0 and 1, step 1 joins 2 and 3, step 2 both of these;
-                              ///< else step k joins what there is with piece k + 1
+  std::uint8_t pieces = 1;  ///< 1..kMostPieces
+  std::uint8_t maxima = 0;  ///< bit k: step k takes the maximum
+  /// 1: of four pieces, step 0 joins 0 and 1, step 1 joins 2 and 3, step 2 both results; 0: step k joins the result so
+  /// far with piece k + 1.
+  std::uint8_t in_pairs = 0;
 
   bool larger(unsigned step) const { return (maxima >> step & 1) != 0; }
 
-  /// `join(step is a maximum, a, b)` of the values of the pieces.
+  /// Applies `join(step is a maximum, a, b)` to the values of the pieces.
   template <class T, class Join>
   T combine(const std::array<T, kMostPieces>& v, Join&& join) const {
     if (in_pairs != 0) return join(larger(2), join(larger(0), v[0], v[1]), join(larger(1), v[2], v[3]));
@@ -73,7 +74,7 @@ struct LocalShape {
   PieceCombination combination;
 };
 
-/// The value of a combination at x, and which piece it is.
+/// Value of a combination at x, and the piece that it comes from.
 struct ShapeValue {
   double value;
   std::uint32_t piece;
@@ -88,11 +89,11 @@ inline ShapeValue shape_value(const QuadricPiece* pieces, PieceCombination how, 
   });
 }
 
-/// What the values within `radius` of x lie between.
+/// Bounds of the values within `radius` of x.
 ValueRange shape_range(const QuadricPiece* pieces, PieceCombination how, const Vec3& x, double radius);
 
-/// The largest |Q| / ‖∇Q‖ at places relative to the centre ([ohtake2003], section 4): how far they are off its zero
-/// set, to first order.
+/// Largest |Q| / ‖∇Q‖ at points relative to the centre (ohtake2003, section 4): their distance from the zero set, to
+/// first order.
 double shape_error(const LocalShape& shape, std::span<const Vec3> x);
 
 }  // namespace sansmesh::inline v1

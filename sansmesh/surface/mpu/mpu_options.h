@@ -1,4 +1,4 @@
-// What can be chosen of multi-level partition of unity implicits.
+// Options of multi-level partition of unity implicits.
 #pragma once
 
 #include <optional>
@@ -10,13 +10,13 @@ struct MpuOptions {
   /// default_mpu_error() of the samples' spacing and noise.
   std::optional<double> error = {};
   std::optional<int> max_depth = {};   ///< deepest level of the octree, 2..14; default: 14, which samples do not reach
-  bool sharp = true;                   ///< edges and corners where few samples tell of more than one face
-  std::optional<double> spacing = {};  ///< of the samples, where it is known: saves its estimation (length)
+  bool sharp = true;                   ///< fit edges and corners where a few samples have normals of more than one face
+  std::optional<double> spacing = {};  ///< known spacing of the samples, which replaces its estimation (length)
   /// Throws ArgumentError naming the field.
   void validate() const;
 };
 
-/// Of samples so far apart, with noise of this standard deviation (lengths).
+/// Default of MpuOptions::error for samples of this spacing and this standard deviation of the noise (lengths).
 double default_mpu_error(double spacing, double noise);
 
 }  // namespace sansmesh::inline v1

@@ -22,19 +22,20 @@ namespace {
 
 constexpr std::size_t kFewestSamples = 9;
 constexpr int kDeepestLeaf = 14;
-/// Balls are looked up in single precision: share of the cube by which they and cells are widened for that.
+/// Balls are stored in single precision: balls and cells are widened by this share of the cube.
 constexpr double kRounding = 1e-6;
-/// Balls that more leaves than this reach are too large for anything to be said of them.
+/// Balls that more leaves than this reach are too large for a bound.
 constexpr std::size_t kMostLeaves = 4000;
-/// Of a cube, over its edge.
+/// Half the diagonal of a cube, over its edge.
 constexpr double kHalfDiagonal = 0.8660254037844387;
-/// Cubes at the rims of gaps are so much larger: the rim may run through what is judged by its middle.
+/// Cubes at the rims of gaps are enlarged by this factor, because the rim may pass through a cube that is judged by its
+/// centre.
 constexpr double kOverlap = 2;
-/// The surface is not looked for in cubes whose centres are so many half diagonals from it, by value and slope.
+/// Cubes whose centres are this many half diagonals from the surface, by value and slope, are not searched.
 constexpr double kFarOff = 2;
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
-/// Finite samples with unit normals, in an order that their places alone tell.
+/// Finite samples with unit normals, in an order that depends on their positions only.
 struct OrderedSamples {
   std::vector<Vec3f> positions, normals;
 };
@@ -52,7 +53,7 @@ OrderedSamples ordered_samples(const PointSet& points) {
   if (count < kFewestSamples)
     throw DataError("only " + std::to_string(count) + " samples have a position and a normal: at least " +
                     std::to_string(kFewestSamples) + " are needed");
-  // The tree breaks ties, as between samples of a face of a box, by their numbers.
+  // The tree breaks ties, for example between samples of a face of a box, by index.
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
   const auto key = [&](std::uint32_t i) {
@@ -76,8 +77,8 @@ struct MpuSurface::State {
   MpuTree tree;
   MpuReport report;
   BallTree balls;
-  std::vector<std::uint32_t> first_reach;  ///< of each leaf, in `reach`; one more than there are leaves
-  std::vector<std::uint32_t> reach;        ///< leaves whose balls reach it
+  std::vector<std::uint32_t> first_reach;  ///< start of each leaf in `reach`; one more than there are leaves
+  std::vector<std::uint32_t> reach;        ///< leaves whose balls reach the leaf
 
   struct Cube {
     Vec3 center;
@@ -191,7 +192,7 @@ void MpuSurface::evaluate(std::span<const Vec3> x, std::span<double> values, std
       const double sign = values[i] < 0 ? -1 : 1, distance = norm(away);
       values[i] += sign * distance;
       if (!gradient) continue;
-      // The nearest point of the cube only moves along the faces that x is not beyond.
+      // The nearest point of the cube moves only along the axes in which x is within the cube.
       for (std::size_t k = 0; k < 3; ++k)
         if (away[k] != 0) (*gradient)[k] = sign * away[k] / distance;
     }
@@ -207,7 +208,7 @@ void MpuSurface::ranges(std::span<const Vec3> x, double radius, std::span<ValueR
   });
 }
 
-/// Whether the surface may pass through the cube, by the signs of 27 places.
+/// Whether the surface may pass through the cube, by the signs at 27 points.
 bool MpuSurface::State::passes(const Vec3& center, double edge) const {
   bool inside = false, outside = false;
   for (int k = 0; k < 27; ++k) {
@@ -220,8 +221,8 @@ bool MpuSurface::State::passes(const Vec3& center, double edge) const {
   return inside && outside;
 }
 
-/// Cubes around what of the surface in this one the samples' balls do not hold: whole where none of them is near, else
-/// its children down to the size of the balls.
+/// Cubes around the parts of the surface in this one outside the samples' balls: the whole cube if no ball is near,
+/// else its children down to the size of the balls.
 void MpuSurface::State::find_gaps(const MpuSurface::SampleBalls& samples, const Vec3& center, double edge,
                                   std::vector<Cube>& gaps) const {
   const double r = kHalfDiagonal * edge;
@@ -285,7 +286,7 @@ MpuSurface make_mpu_surface(const PointSet& points, const MpuOptions& options, P
   if (!(report.error > 0)) throw DataError("all samples coincide: there is no surface");
   state->tree = fit_mpu_tree(samples.positions, samples.normals, report.error, options.max_depth.value_or(kDeepestLeaf),
                              options.sharp, progress);
-  progress.begin("find which balls reach where");
+  progress.begin("assign balls to cells");
   state->find_reach();
   report.leaves = state->tree.leaves.size();
   for (const MpuLeaf& l : state->tree.leaves) {

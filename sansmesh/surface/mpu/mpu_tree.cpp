@@ -15,22 +15,22 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Radius of a ball over the diagonal of its cell; how much farther than the last
-/// of the samples that it needs it reaches where it is enlarged.
+/// Radius of a ball over the diagonal of its cell; margin of an enlarged ball beyond the last of the samples that it
+/// needs.
 constexpr double kBall = 0.75, kEnlarge = 0.1;
-/// From more than twice as many on a cell may be divided: then it is not searched for edges.
+/// Cells with more samples than this may be divided and are not searched for edges.
 constexpr std::size_t kManySamples = 2 * kLeastSamples;
-/// Samples that must agree on which side of the surface a place is.
+/// Number of samples that must agree on the side of a point.
 constexpr std::size_t kNearest = 6;
-/// Cells with more samples than this are divided without a whole fit where some of the samples say so already.
+/// Cells with more samples than this are first fitted to a part of them, and divided if that fit fails.
 constexpr std::size_t kTrial = 1000;
-/// Weight of samples at the rim of a ball, so that there is no ball without any.
+/// Weight of samples at the rim of a ball, so that no ball has zero weight.
 constexpr double kLeastWeight = 1e-6;
-/// The cube over the longest side of the samples' box.
+/// Edge of the cube over the longest side of the samples' box.
 constexpr double kRoom = 1.1;
 
 struct CellPlace {
-  std::uint32_t cell = 0;  ///< in MpuTree::cells
+  std::uint32_t cell = 0;  ///< index in MpuTree::cells
   std::array<std::uint32_t, 3> at{};
 };
 
@@ -41,7 +41,7 @@ struct CellFit {
   std::uint32_t samples = 0;
 };
 
-/// All that the fits of one thread need.
+/// Buffers of the fits of one thread.
 struct FitWork {
   std::vector<Neighbour> found;
   std::vector<Vec3> positions, normals;
@@ -56,7 +56,7 @@ class CellFitter {
   CellFitter(std::span<const Vec3f> positions, std::span<const Vec3f> normals, double error, bool sharp)
       : tree_(positions), positions_(positions), normals_(normals), error_(error), sharp_(sharp) {}
 
-  /// The cube with this centre and edge. `may_divide`: whether there are levels left.
+  /// Fits the cube with this centre and edge. `may_divide`: whether deeper levels are allowed.
   CellFit fit(const Vec3& center, double edge, bool may_divide, FitWork& work) const;
 
  private:
@@ -72,8 +72,8 @@ class CellFitter {
   bool sharp_;
 };
 
-/// The nearest samples, just enough of them, and the radius of a ball with these: at the centre of a sphere it would
-/// hold all others, too.
+/// Finds the least number of nearest samples, and the radius of a ball with exactly these: a larger ball at the centre
+/// of a sphere would hold all others, too.
 double CellFitter::enlarged(const Vec3& center, double radius, FitWork& work) const {
   work.found.resize(kLeastSamples);
   work.found.resize(tree_.nearest(Vec3f(center), work.found));
@@ -81,7 +81,7 @@ double CellFitter::enlarged(const Vec3& center, double radius, FitWork& work) co
   return std::max(radius, (1 + kEnlarge) * needed);
 }
 
-/// Takes every so manieth of the samples that were found.
+/// Takes every `stride`-th of the found samples.
 void CellFitter::take(const Vec3& center, double radius, std::size_t stride, FitWork& work) const {
   work.positions.clear(), work.normals.clear(), work.weights.clear();
   for (std::size_t k = 0; k < work.found.size(); k += stride) {
@@ -92,7 +92,7 @@ void CellFitter::take(const Vec3& center, double radius, std::size_t stride, Fit
   }
 }
 
-/// Of the corners and the centre of the cell those of which the nearest samples agree on which side they are.
+/// Finds those corners and centre of the cell for which the nearest samples agree on the side.
 void CellFitter::find_places(const Vec3& center, double edge, FitWork& work) const {
   work.places.clear();
   for (unsigned k = 0; k < 9; ++k) {
@@ -117,7 +117,7 @@ Vec3 mean_normal(const FitWork& work) {
   return length > 0 ? sum / length : work.normals.front();
 }
 
-/// One quadric, whatever it takes; false where there is none.
+/// Fits one quadric; false if there is none.
 bool CellFitter::fit_many(const Vec3& center, double edge, double radius, FitWork& work, CellFit& fit) const {
   const Vec3 up = mean_normal(work);
   const bool turned =
@@ -134,7 +134,7 @@ bool CellFitter::fit_many(const Vec3& center, double edge, double radius, FitWor
   return true;
 }
 
-/// Heights, and where these are not enough, faces that meet.
+/// Fits heights, and if these are not sufficient, faces that meet.
 void CellFitter::fit_few(bool none, FitWork& work, CellFit& fit) const {
   const int degree = none ? 1 : 2;
   fit.kind = LeafShape::heights;
@@ -154,7 +154,7 @@ CellFit CellFitter::fit(const Vec3& center, double edge, bool may_divide, FitWor
   double radius = kBall * std::sqrt(3.0) * edge;
   tree_.within_by_slot(Vec3f(center), static_cast<float>(radius), work.found);
   fit.samples = static_cast<std::uint32_t>(std::min<std::size_t>(work.found.size(), 0xffffffffu));
-  // What has too few samples sees no others in smaller balls: it stays whole.
+  // A cell with too few samples has none to gain in smaller balls: it is not divided.
   const bool enough = work.found.size() >= kLeastSamples;
   if (!enough) radius = enlarged(center, radius, work);
   const std::size_t count = work.found.size();

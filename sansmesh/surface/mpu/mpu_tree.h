@@ -1,4 +1,4 @@
-// The octree of multi-level partition of unity implicits and the shapes in its leaves, as flat arrays.
+// Octree of multi-level partition of unity implicits with the shapes of its leaves, as flat arrays.
 #pragma once
 
 #include <array>
@@ -15,19 +15,19 @@
 
 namespace sansmesh::inline v1 {
 
-/// N_min: a ball with fewer samples is enlarged for its fit.
+/// N_min of ohtake2003: a ball with fewer samples is enlarged for its fit.
 inline constexpr std::size_t kLeastSamples = 15;
 
-/// How the samples of a leaf were fitted.
+/// Kind of the shape of a leaf.
 enum class LeafShape : std::uint8_t { heights, general, edge, corner };
 
-/// A leaf of the octree: its shape counts in the ball around its centre, which reaches beyond it.
+/// A leaf of the octree. Its shape has weight in the ball around its centre, which extends beyond the cell.
 struct MpuLeaf {
   Vec3 center;
-  double radius = 0;              ///< of the ball (length)
-  double edge = 0;                ///< of the cell (length)
-  std::uint32_t first_piece = 0;  ///< of `pieces`
-  std::uint32_t samples = 0;      ///< in the ball before it was enlarged
+  double radius = 0;              ///< radius of the ball (length)
+  double edge = 0;                ///< edge of the cell (length)
+  std::uint32_t first_piece = 0;  ///< index in `pieces`
+  std::uint32_t samples = 0;      ///< number in the ball before it was enlarged
   PieceCombination combination;
   LeafShape shape = LeafShape::heights;
   std::uint8_t level = 0;
@@ -35,19 +35,19 @@ struct MpuLeaf {
 
 struct MpuTree {
   Vec3 lower;       ///< corner of the cube
-  double edge = 0;  ///< of the cube
-  /// Of each cell: the first of its eight children, in the order x + 2y + 4z; or, of a leaf, −1 − its number.
+  double edge = 0;  ///< edge of the cube
+  /// For each cell: the first of its eight children, in the order x + 2y + 4z; for a leaf, −1 − its number.
   std::vector<std::int32_t> cells;
   std::vector<MpuLeaf> leaves;  ///< in the order of their cells along the Morton curve
   std::vector<QuadricPiece> pieces;
 
   Box3 bounds() const { return {lower, lower + Vec3{edge, edge, edge}}; }
-  /// The leaf with x, which lies in the cube.
+  /// The leaf that contains x, a point of the cube.
   std::size_t leaf_at(const Vec3& x) const;
 };
 
-/// Fits it ([ohtake2003], section 3 and 4). Finite positions with unit normals, in an order that keeps neighbours
-/// together. `error`: accepted (length). Throws DataError where there are no samples, or all coincide.
+/// Fits the tree (ohtake2003, sections 3 and 4). Finite positions with unit normals, in an order that keeps neighbours
+/// together. `error`: accepted error (length). Throws DataError for no samples, or if all coincide.
 MpuTree fit_mpu_tree(std::span<const Vec3f> positions, std::span<const Vec3f> normals, double error, int max_depth,
                      bool sharp, Progress& progress);
 

@@ -9,11 +9,11 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kEdgeCosine = 0.9, kCornerCosine = 0.7;
-/// Sine of the angle of two normals below which they have no normal of their own: both sides of a wall.
+/// Sine of the angle of two normals below which their cross product is undefined: both sides of a wall.
 constexpr double kParallel = 0.1;
-/// A face needs so many samples for a polynomial of degree 2, twice its coefficients.
+/// Least number of samples of a face for a polynomial of degree 2, twice the number of its coefficients.
 constexpr std::size_t kBentFace = 12;
-/// With fewer than these it is the plane through their middle with their mean normal.
+/// A face with fewer samples is the plane through their mean with their mean normal.
 constexpr std::size_t kTiltedFace = 6;
 
 struct MostDifferent {
@@ -29,10 +29,10 @@ MostDifferent most_different(std::span<const Vec3> normals) {
   return found;
 }
 
-/// Those that are no combinations of these two, by enough; the one that is least so comes first.
+/// Normals that are not combinations of these two, by a margin; the most deviating one comes first.
 std::vector<Vec3> other_faces(std::span<const Vec3> normals, const Vec3& first, const Vec3& second) {
   const Vec3 both = cross(first, second), axis = normalized(both);
-  const bool wall = norm(both) <= kParallel;  // then it is any direction across: that of its rim
+  const bool wall = norm(both) <= kParallel;  // then any direction across it, that of its rim
   std::vector<Vec3> others;
   double most = 0;
   for (const Vec3& n : normals) {
@@ -53,10 +53,10 @@ void assign_nearest(std::span<const Vec3> normals, std::span<const Vec3> to, std
   }
 }
 
-/// The values of the faces at a sample.
+/// Values of the faces at a sample.
 using FaceValues = std::array<double, kMostPieces>;
 
-/// Sum of squares of the values at the samples.
+/// Sum of squares of the combined values at the samples.
 double misfit(std::span<const FaceValues> values, const std::array<std::uint8_t, kMostPieces>& order,
               PieceCombination how) {
   double sum = 0;
@@ -69,7 +69,7 @@ double misfit(std::span<const FaceValues> values, const std::array<std::uint8_t,
   return sum;
 }
 
-/// Every function of so many values by one maximum or minimum after another, each with an order of the pieces.
+/// Visits every function of `pieces` values by successive maxima and minima, each with an order of the pieces.
 template <class Visit>
 void every_combination(std::uint8_t pieces, Visit&& visit) {
   std::array<std::uint8_t, kMostPieces> order{0, 1, 2, 3};

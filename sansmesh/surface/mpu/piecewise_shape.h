@@ -1,4 +1,4 @@
-// Shapes with an edge or a corner: tests on the normals, a quadric for each face, and how these combine.
+// Shapes with an edge or a corner: tests on the normals, a quadric for each face, and their combination.
 #pragma once
 
 #include <array>
@@ -12,19 +12,19 @@
 
 namespace sansmesh::inline v1 {
 
-/// For each of these unit normals which of up to kMostPieces faces it belongs to.
+/// Assignment of unit normals to up to kMostPieces faces.
 struct FaceSplit {
   std::size_t faces = 1;
-  std::vector<std::uint8_t> face;  ///< < faces
+  std::vector<std::uint8_t> face;  ///< face of each normal, < faces
 };
 
-/// The tests of [ohtake2003], section 4 (after Kobbelt et al. 2001): two normals whose cosine is below 0.9 are those
-/// of an edge; a third one that deviates from the plane of both, by a cosine above 0.7 to their normal, is that of a
-/// corner, and where those that do so differ like the normals of an edge, of one of degree 4.
+/// Tests of ohtake2003, section 4 (after Kobbelt et al. 2001). Two normals with a cosine below 0.9 indicate an edge. A
+/// third one that deviates from the plane of both, with a cosine above 0.7 to their normal, indicates a corner; if the
+/// normals that do so differ like those of an edge, a corner of degree 4.
 FaceSplit split_by_normals(std::span<const Vec3> normals);
 
-/// A quadric for each face, combined by those maxima and minima that leave the samples nearest to the zero set; nothing
-/// where there is one face.
+/// A quadric for each face, combined by the maxima and minima with the least distance of the samples from the zero set;
+/// nothing for a single face.
 std::optional<LocalShape> piecewise_shape(const BallSamples& samples, int degree);
 
 }  // namespace sansmesh::inline v1

@@ -8,9 +8,9 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// What the samples do not tell is 0: added to the diagonal of a matrix of entries about 1 large.
+/// Ridge on the diagonal of a matrix with entries about 1, which sets undetermined coefficients to 0.
 constexpr double kRidge = 1e-9;
-/// Eigenvalues below this share of the largest one say nothing.
+/// Eigenvalues below this share of the largest one are treated as zero.
 constexpr double kNothing = 1e-10;
 
 template <int n>
@@ -46,7 +46,7 @@ QuadricPiece height_quadric(const BallSamples& samples, const Vec3& up, int degr
   q.b = up, q.c = -dot(up, middle);
   if (!(scale > 0)) return q;
 
-  // 1, u, v, then u², 2uv, v², in units in which the samples are about 1 apart from their middle.
+  // 1, u, v, then u², 2uv, v², in units where the samples are about 1 from their mean.
   const int terms = degree < 1 ? 1 : degree < 2 ? 3 : 6;
   Square<6> matrix = Square<6>::Zero();
   Column<6> right = Column<6>::Zero();
@@ -63,7 +63,7 @@ QuadricPiece height_quadric(const BallSamples& samples, const Vec3& up, int degr
   for (int k = 1; k < terms; ++k) matrix(k, k) += kRidge;
   const Column<6> g = Eigen::LDLT<Square<6>, Eigen::Lower>(matrix).solve(right);
   if (!g.allFinite()) return q;
-  // Heights and places are in units of `scale`: w − g(u, v) times `scale` is a length.
+  // Heights and positions are in units of `scale`: w − g(u, v) times `scale` is a length.
   QuadricPiece local;
   local.b = up - across * g[1] - along * g[2];
   local.c = -scale * g[0];

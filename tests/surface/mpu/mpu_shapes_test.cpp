@@ -1,4 +1,4 @@
-// What the local shapes reproduce, and how faces are told apart and combined.
+// Reproduction by local shapes, and detection and combination of faces.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -91,7 +91,7 @@ TEST(MpuShapes, SeenFromElsewhereTheyAreTheSame) {
   }
 }
 
-/// Samples of the faces of a solid that is a combination of three half spaces, those on the boundary of it.
+/// Samples of the faces of a combination of three half spaces, on the boundary of it.
 template <class Inside>
 Ball corner_of(const std::array<Vec3, 3>& normals, const Inside& combined) {
   Ball ball;

@@ -41,7 +41,7 @@ std::vector<Vec3> on_sphere(std::size_t n, double radius) {
   return x;
 }
 
-/// What turns about an axis that is none of the cube's.
+/// Rotation about an axis that is none of the cube's.
 Vec3 turned(const Vec3& x) {
   const Vec3 a = normalized(Vec3{1, 2, -1});
   const double c = std::cos(0.7), s = std::sin(0.7);
@@ -100,7 +100,7 @@ TEST(MpuSurface, ErrorOfATorusFallsWithTheCubeOfTheSpacing) {
   std::vector<Vec3> x;
   for (const Vec3f& p : test::torus(2000, 8).positions) x.emplace_back(p);
   const auto error = [&](std::size_t n) { return mean_of(mpu_of(test::torus(n), {.error = 1e-9, .sharp = false}), x); };
-  const double coarse = error(3000), fine = error(48000);  // spacings as 4 to 1
+  const double coarse = error(3000), fine = error(48000);  // ratio of the spacings: 4
   EXPECT_LT(coarse, 2e-3);
   EXPECT_LT(fine, coarse / 40);
 }
@@ -161,7 +161,8 @@ TEST(MpuSurface, KeepsTheSidesOfAWallApart) {
     cloud.positions.emplace_back(Vec3{p.x, p.y, p.z < 0 ? -half : half});
     cloud.normals.emplace_back(Vec3{0, 0, p.z < 0 ? -1.0 : 1.0});
   }
-  const MpuSurface surface = mpu_of(cloud, {.error = 0.05 * spacing});  // by itself it takes the wall for noise
+  const MpuSurface surface =
+      mpu_of(cloud, {.error = 0.05 * spacing});  // the default error would treat the wall as noise
   std::vector<Vec3> x;
   for (const Vec3& p : somewhere(500, 0.9)) x.push_back({p.x, p.y, 0}), x.push_back({p.x, p.y, 2 * half});
   const std::vector<double> values = values_at(surface, x);
