@@ -57,10 +57,16 @@ class JsonFields {
     if (!v.is_number() || !std::isfinite(v.get<double>())) fail(fmt::format("'{}' must be a number", key));
     return v.get<double>();
   }
+  /// A whole number, also written as 2.0.
   int whole(const char* key) const {
     const double v = number(key);
     if (v != std::floor(v) || std::abs(v) > 1e9) fail(fmt::format("'{}' must be a whole number", key));
     return static_cast<int>(v);
+  }
+  /// A whole number without a decimal point.
+  int integer(const char* key) const {
+    if (!at(key).is_number_integer()) fail(fmt::format("'{}' must be a whole number", key));
+    return whole(key);
   }
   bool boolean(const char* key) const {
     const JsonValue& v = at(key);

@@ -94,9 +94,9 @@ EditSelection selection_of(const Json& json, const std::string& where) {
   }
   f.get("coverage_below", s.coverage_below, &Fields::number);
   f.get("error_above", s.error_above, &Fields::number);
-  f.get("samples_below", s.samples_below, &Fields::whole);
-  f.get("level_from", s.level_from, &Fields::whole);
-  f.get("level_to", s.level_to, &Fields::whole);
+  f.get("samples_below", s.samples_below, &Fields::integer);
+  f.get("level_from", s.level_from, &Fields::integer);
+  f.get("level_to", s.level_to, &Fields::integer);
   f.get("sheet_at", s.sheet_at, &Fields::vector);
   if (f.has("sheets")) {
     const Json& v = f.at("sheets");
@@ -115,8 +115,8 @@ EditSelection selection_of(const Json& json, const std::string& where) {
 Refit refit_of(const Json& json, const std::string& where) {
   const Fields f(json, where, {"max_degree", "max_depth", "error", "support", "sharp"});
   Refit r;
-  f.get("max_degree", r.max_degree, &Fields::whole);
-  f.get("max_depth", r.max_depth, &Fields::whole);
+  f.get("max_degree", r.max_degree, &Fields::integer);
+  f.get("max_depth", r.max_depth, &Fields::integer);
   f.get("error", r.error, &Fields::number);
   f.get("support", r.support, &Fields::number);
   f.get("sharp", r.sharp, &Fields::boolean);
@@ -138,7 +138,7 @@ Edit edit_of(const Json& json, const std::string& where) {
   const auto is = [&](const char* key) { return f.has(key) && ++actions; };
   if (is("degree")) {
     const bool automatic = f.at("degree") == "auto";
-    const int degree = automatic ? kAutomaticDegree : f.whole("degree");
+    const int degree = automatic ? kAutomaticDegree : f.integer("degree");
     if (!automatic && (degree < 0 || degree > 4)) f.fail("'degree' must be \"auto\" or lie in 0..4");
     edit.action = SetDegree{degree};
   }
@@ -165,7 +165,7 @@ Edit edit_of(const Json& json, const std::string& where) {
     edit.action = RemoveSupports{};
   }
   if (is("undo")) {
-    edit.action = Undo{f.whole("undo")};
+    edit.action = Undo{f.integer("undo")};
     if (std::get<Undo>(edit.action).steps < 1) f.fail("'undo' must be at least 1");
   }
   if (actions != 1) f.fail("needs one of degree, refit, constant, remove, undo");
@@ -223,8 +223,8 @@ std::vector<Edit> parse_edit_script(const std::string& text) {
       text, [&](int, Json::parse_event_t event, const Json& parsed) { return twice(event, parsed); });
   if (!twice.what().empty()) throw ArgumentError(twice.what());
   const Fields f(json, "the script", {"version", "steps", "function", "note"});
-  if (f.whole("version") != kVersion)
-    f.fail(fmt::format("version {} is not known, only {}", f.whole("version"), kVersion));
+  if (f.integer("version") != kVersion)
+    f.fail(fmt::format("version {} is not known, only {}", f.integer("version"), kVersion));
   if (!f.has("steps") || !f.at("steps").is_array()) f.fail("'steps' must be a list");
   std::vector<Edit> edits;
   int number = 0;

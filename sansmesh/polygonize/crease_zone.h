@@ -87,9 +87,9 @@ struct CreaseZone {
   double collapse_gain(std::uint32_t h) const;
   bool repair(std::uint32_t t);
   void relax();
-  void look_again(std::uint32_t v);
+  void mark_around(std::uint32_t v);
 
-  std::vector<std::uint8_t> look_;  ///< triangles changed since repair() last found nothing to do for them
+  std::vector<std::uint8_t> marked_;  ///< triangles changed since repair() last found nothing to do for them
 };
 
 }  // namespace sansmesh::inline v1
