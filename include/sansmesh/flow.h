@@ -124,7 +124,7 @@ SANSMESH_API std::vector<std::string> summary_of(const TraceLinesResult& made);
 SANSMESH_API std::vector<std::string> arrays_along_lines(const FlowModel& flow, const TraceLinesOptions& options);
 
 /// Stream, path, streak and time lines. Throws ArgumentError for bad options, FileError for seeds of a file, DataError
-/// that begins with the flow's source where no seed lies in the flow or nothing moves; Cancelled.
+/// that begins with the flow's source where no seed is in the flow or nothing moves; Cancelled.
 SANSMESH_API TraceLinesResult trace_lines_of(const FlowModel& flow, const TraceLinesOptions& options,
                                              Progress& progress);
 

@@ -18,8 +18,8 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr std::size_t kMapRange = 512;  ///< points a task
-constexpr double kOnFace = 1e-12;       ///< a barycentric coordinate so far below 0 counts as 0
+constexpr std::size_t kMapRange = 512;  ///< points per task
+constexpr double kOnFace = 1e-12;       ///< a barycentric coordinate above −kOnFace counts as not negative
 
 Box3f float_box(const Box3& box, const Vec3& origin) {
   const Vec3 lower = box.lower - origin, upper = box.upper - origin;
@@ -34,7 +34,7 @@ Box3f float_box(const Box3& box, const Vec3& origin) {
   return around;
 }
 
-/// The children whose boxes hold q.
+/// Bit mask of the children whose boxes contain q.
 std::uint32_t holding(const BoxNode& node, const Vec3f& q) {
   std::uint32_t found = 0;
   for (std::size_t c = 0; c < kTreeWidth; ++c) {
@@ -70,19 +70,19 @@ Box3 common(const Box3& a, const Box3& b) {
 }  // namespace
 
 struct TetMap::State {
-  /// The affine map of a tetrahedron, and where it holds.
+  /// The affine map of a tetrahedron and its domain.
   struct Affine {
     Vec3 corner;                    ///< in `from`
-    std::array<Vec3, 3> gradients;  ///< of the barycentric coordinates of corners 1 to 3 there
-    Vec3 image;                     ///< of the corner
+    std::array<Vec3, 3> gradients;  ///< gradients of the barycentric coordinates of corners 1 to 3
+    Vec3 image;                     ///< image of the corner
     Jacobian jacobian;
-    Box3 from, to;  ///< of its corners
+    Box3 from, to;  ///< bounds of its corners
     std::uint32_t number = kNowhere;
   };
   Vec3 origin;
-  std::vector<Affine> affines;            ///< neighbours in space one after the other
+  std::vector<Affine> affines;            ///< in spatial order
   BoxLevels levels;                       ///< over `from`, relative to the origin
-  std::vector<std::vector<Box3>> images;  ///< of what lies below each lane of the levels
+  std::vector<std::vector<Box3>> images;  ///< bounds of the images below each lane of the levels
 
   const Affine* find(const Vec3& x) const;
   void look(std::size_t level, std::size_t node, const Vec3& x, const Vec3f& q, const Affine*& best) const;
@@ -122,7 +122,7 @@ void TetMap::State::gather(std::size_t level, std::size_t node, const Box3& box,
     } else if (level > 0) {
       gather(level - 1, child, box, around, found);
     } else {
-      // The image of the part of the box around the tetrahedron, and no more than the tetrahedron's.
+      // Image of the intersection of the box and the tetrahedron's bounds, clipped to the tetrahedron's image.
       const Affine& a = affines[child];
       const Box3 part = common(box, a.from);
       if (part.empty()) continue;
@@ -137,7 +137,7 @@ void TetMap::State::gather(std::size_t level, std::size_t node, const Box3& box,
 }
 
 TetMap::TetMap(std::span<const Tet> tets, std::span<const Vec3> from, std::span<const Vec3> to) {
-  check_argument(from.size() == to.size(), "`from` and `to` must have as many positions");
+  check_argument(from.size() == to.size(), "`from` and `to` must have equal numbers of positions");
   auto state = std::make_unique<State>();
   std::vector<Vec3> centers(tets.size());
   Box3 whole;

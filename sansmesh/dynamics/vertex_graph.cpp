@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
@@ -11,7 +12,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Makes beginnings of counts: count[i] stands at begin[i + 1].
+/// Prefix sums of counts: count[i] is at begin[i + 1].
 void sum_up(std::vector<std::uint32_t>& begin) {
   for (std::size_t i = 1; i < begin.size(); ++i) begin[i] += begin[i - 1];
 }
@@ -21,10 +22,7 @@ void sum_up(std::vector<std::uint32_t>& begin) {
 VertexGraph vertex_graph(std::span<const Tet> tets, std::size_t vertices) {
   std::vector<std::uint64_t> keys(6 * tets.size());
   parallel_for(0, tets.size(), 4096, [&](std::size_t k) {
-    for (std::size_t e = 0; e < 6; ++e) {
-      const std::uint32_t a = tets[k][kTetEdges[e][0]], b = tets[k][kTetEdges[e][1]];
-      keys[6 * k + e] = static_cast<std::uint64_t>(std::min(a, b)) << 32 | std::max(a, b);
-    }
+    for (std::size_t e = 0; e < 6; ++e) keys[6 * k + e] = edge_key(tets[k][kTetEdges[e][0]], tets[k][kTetEdges[e][1]]);
   });
   parallel_sort(keys);
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
@@ -32,7 +30,7 @@ VertexGraph vertex_graph(std::span<const Tet> tets, std::size_t vertices) {
   VertexGraph graph;
   graph.begin.assign(vertices + 1, 0);
   for (const std::uint64_t key : keys) {
-    const auto a = static_cast<std::uint32_t>(key >> 32), b = static_cast<std::uint32_t>(key);
+    const std::uint32_t a = smaller_end(key), b = larger_end(key);
     graph.edges.push_back({a, b});
     ++graph.begin[a + 1], ++graph.begin[b + 1];
   }
@@ -43,7 +41,7 @@ VertexGraph vertex_graph(std::span<const Tet> tets, std::size_t vertices) {
     const std::uint32_t at = next[from]++;
     graph.neighbours[at] = to, graph.edge_of[at] = static_cast<std::uint32_t>(edge);
   };
-  // Edges ascend by their smaller end: first those that lead to a smaller vertex, then the others, keeps rows
+  // Edges ascend by their smaller end. Adding first the half-edges to smaller vertices, then the others, keeps rows
   // ascending.
   for (std::size_t e = 0; e < keys.size(); ++e) add(graph.edges[e][1], graph.edges[e][0], e);
   for (std::size_t e = 0; e < keys.size(); ++e) add(graph.edges[e][0], graph.edges[e][1], e);

@@ -25,7 +25,7 @@ std::unique_ptr<ColorField> make_colors(const PictureOptions& o, const SurfaceMo
   if (o.color_by.empty()) return nullptr;
   const LocalFrame& frame = model.frame();
   if (o.color_by == kConfidence) {
-    if (model.points().size() == 0) throw DataError("there is no confidence without samples, and they were not kept");
+    if (model.points().size() == 0) throw DataError("confidence needs the samples, which were not kept");
     bar = confidence_bar();
     return std::make_unique<ConfidenceColors>(model.points(), frame.from_input(model.report().spacing),
                                               frame.from_input(model.report().noise));

@@ -257,10 +257,10 @@ TEST_F(FlowLinesTool, SeedsThatAreNoneAreTold) {
   };
   expect_failures({
       {some_lines("points(nan.csv)"), 1, {"nan.csv: holds no finite points"}},
-      {some_lines("points(far.csv)"), 1, {"rotation: no seed lies in the flow"}},
+      {some_lines("points(far.csv)"), 1, {"rotation: no seed is in the flow"}},
       {some_lines("point(0.5,0,0)", "nan"), 2, {"--duration must be finite, not nan"}},
       {surface("curve(nan.csv)"), 1, {"nan.csv: holds no finite points"}},
-      {surface("curve(far.csv)"), 1, {"rotation: no part of the seed curve lies in the flow"}},
+      {surface("curve(far.csv)"), 1, {"rotation: no part of the seed curve is in the flow"}},
       {surface("curve(equal.csv)"), 1, {"equal.csv: the points of the seed curve coincide"}},
       {surface("curve(one.csv)"), 1, {"one.csv: a seed curve has at least two points"}},
       {surface("loop(equal.csv)"), 1, {"equal.csv: a closed seed curve has at least three points"}},
@@ -282,7 +282,7 @@ TEST_F(FlowLinesTool, SaysWhatIsWrongInOneLine) {
   };
   refused({path("still.mhd")}, "zero at all seeds");
   refused({path("points.csv")}, "holds no vectors");
-  refused({"rotation", "--seeds", "point(9,0,0)"}, "no seed lies in the flow");
+  refused({"rotation", "--seeds", "point(9,0,0)"}, "no seed is in the flow");
   refused({"rotation", "--seeds", "line(1,2)"}, "line(ax,ay,az");
   refused({"nowhere"}, "no flow by formula");
   refused({path("still.mhd"), "--unsteady"}, "one step in time");

@@ -34,7 +34,7 @@ const FormulaField kPair(
     },
     kFormulaCube);
 const FormulaField kCut([](const Vec3& x) { return norm(x - Vec3{0.9, 0.1, 0.2}) - 0.6; }, kFormulaCube);
-/// Many handles and two sheets close by: moves of lattice vertices are not always possible.
+/// Many handles and two sheets close together: lattice vertices cannot always move.
 const FormulaField kShell(
     [](const Vec3& x) {
       const Vec3 p = x * 9.0;
@@ -50,7 +50,7 @@ BlockTree even_blocks(int level) {
   return tree;
 }
 
-/// Of levels 2 to `most`, as chance has it.
+/// Blocks of random levels from 2 to `most`.
 BlockTree uneven_blocks(unsigned seed, int most) {
   std::mt19937 random(seed);
   BlockTree tree({-1, -1, -1}, 2);
@@ -59,7 +59,7 @@ BlockTree uneven_blocks(unsigned seed, int most) {
   return tree;
 }
 
-/// Places all over the cube: every sheet that is not tiny has some in its simplices.
+/// Points all over the cube: every sheet that is not tiny has some in its simplices.
 std::vector<Vec3> many_seeds() {
   std::vector<Vec3> seeds;
   for (int z = 0; z < 30; ++z)
@@ -74,7 +74,7 @@ TriangleMesh walked_mesh(const ScalarField& field, const BlockTree& tree, double
   return walk_surface(field, tree, {}, {displacement, std::move(seeds)}, progress, report);
 }
 
-/// Every block visited, every vertex left where the lattice's edges are cut.
+/// Extraction from all blocks, with vertices exactly on the lattice's edges.
 TriangleMesh visited_mesh(const ScalarField& field, const BlockTree& tree) {
   PolygonizeOptions options;
   options.cluster = options.creases = options.balance = false;
@@ -92,13 +92,13 @@ TEST(WalkSurface, FindsWhatAVisitOfAllBlocksFinds) {
       ASSERT_GT(walk.triangles.size(), 500u);
       EXPECT_EQ(walk.triangles.size(), all.triangles.size());
       ASSERT_EQ(walk.vertices.size(), all.vertices.size());
-      // The same places, and as often: next to lattice vertices several edges are cut in one place.
+      // Equal positions with equal multiplicities: near lattice vertices several edges are cut at one point.
       const KdTree here(walk.vertices), there(all.vertices);
       for (const Vec3f& v : walk.vertices) {
         EXPECT_GT(there.count_within(v, 1e-5f), 0u);
         EXPECT_EQ(here.count_within(v, 1e-3f), there.count_within(v, 1e-3f));
       }
-      // The cut of a simplex is flat, whichever diagonal it has.
+      // The cut of a simplex is planar, whichever diagonal divides it.
       const MeshQuality a = measure_quality(walk), b = measure_quality(all);
       EXPECT_NEAR(a.area, b.area, 1e-5);
       EXPECT_NEAR(a.volume, b.volume, 1e-5);
@@ -135,7 +135,7 @@ TEST(WalkSurface, DisplacementMakesTrianglesEvenAndTurnsNone) {
     WalkReport report;
     const TriangleMesh mesh = walked_mesh(*field, tree, 0.9, many_seeds(), &report);
     const MeshQuality after = measure_quality(mesh);
-    // tejada2008, section 4.4.4: 5.55 ± 128.09 becomes 1.68 ± 0.61.
+    // tejada2008, 4.4.4: 5.55 ± 128.09 becomes 1.68 ± 0.61.
     EXPECT_GT(before.aspect_mean, 2.5);
     EXPECT_LT(after.aspect_mean, 1.9);
     EXPECT_LT(after.aspect_deviation, 1);
@@ -149,7 +149,7 @@ TEST(WalkSurface, DisplacementMakesTrianglesEvenAndTurnsNone) {
   }
 }
 
-/// Where two sheets pull a vertex both ways, a move would change its sign or turn a simplex over: it stays.
+/// Where two sheets pull a vertex both ways, a move would change its sign or invert a simplex: it stays.
 TEST(WalkSurface, DisplacementIsHeldWhereItWouldFold) {
   WalkReport report;
   const TriangleMesh mesh = walked_mesh(kShell, even_blocks(4), 0.99, many_seeds(), &report);
@@ -158,12 +158,12 @@ TEST(WalkSurface, DisplacementIsHeldWhereItWouldFold) {
   EXPECT_EQ(mesh.triangles.size(), walked_mesh(kShell, even_blocks(4)).triangles.size());
 }
 
-/// M_l belongs to a level: what lies far off the surface on a coarse level must not tell how far fine blocks move.
+/// M_l belongs to a level: values far off the surface on a coarse level must not affect the moves of fine blocks.
 TEST(WalkSurface, MovesByLevel) {
   BlockTree tree = even_blocks(3);
   for (std::size_t b = 0, n = tree.size(); b < n; ++b)
     if (tree.is_leaf(b) && tree.block_center(b).x > 0) tree.subdivide(b);
-  // A plane across the levels is cut alike on both, at another scale.
+  // A plane across the levels is cut alike on both, at different scales.
   const FormulaField plane([](const Vec3& x) { return x.z - 1e-9; }, kFormulaCube);
   const TriangleMesh mesh = walked_mesh(plane, tree, 0.8);
   double sum[2] = {0, 0}, n[2] = {0, 0};

@@ -1,4 +1,4 @@
-#include "sansmesh/deform/free_ways.h"
+#include "sansmesh/deform/detour_lattice.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,14 +13,14 @@ namespace sansmesh::inline v1 {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-constexpr double kUnreachable = 1e6;  // lengths of the lattice
-constexpr double kSight = 0.5;        // cells from the border, over which nodes behind it come into sight
-constexpr double kAside = 1e-3;       // cells by which bends keep away from the sheet
-constexpr double kBetter = 1e-4;      // cells by which a way has to be shorter to be taken instead of another
+constexpr double kUnreachable = 1e6;  // in lengths of the lattice
+constexpr double kSight = 0.5;        // cells from the border within which nodes behind it become visible gradually
+constexpr double kAside = 1e-3;       // distance of bends from the sheet, in cells
+constexpr double kBetter = 1e-4;      // least reduction of length for which a path is replaced, in cells
 constexpr int kBends = 4;             // between neighbours
 constexpr std::size_t kNodesAtATime = 4096;
 
-/// The place on the segment from p to q over which the way from a to b is shortest.
+/// The point on the segment from p to q that minimises the path from a over it to b.
 Vec3 best_bend(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
   const double length = norm(q - p);
   const Vec3 along = (q - p) / length;
@@ -31,23 +31,24 @@ Vec3 best_bend(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
 
 }  // namespace
 
-FreeWays::FreeWays(const TriangleSheet& sheet, const Box3& box, int cells) : sheet_(sheet) {
+DetourLattice::DetourLattice(const TriangleSheet& sheet, const Box3& box, int cells) : sheet_(sheet) {
   const Vec3 size = box.size();
   spacing_ = std::max({size.x, size.y, size.z}) / cells;
   const Vec3 center = box.center();
   Vec3 half;
   for (std::size_t k = 0; k < 3; ++k) {
-    n_[k] = index_in<std::size_t>(std::ceil(size[k] / spacing_ - 1e-9), 1, static_cast<std::size_t>(cells)) + 1;
-    half[k] = 0.5 * spacing_ * static_cast<double>(n_[k] - 1);
+    lattice_.sizes[k] =
+        index_in<std::size_t>(std::ceil(size[k] / spacing_ - 1e-9), 1, static_cast<std::size_t>(cells)) + 1;
+    half[k] = 0.5 * spacing_ * static_cast<double>(lattice_.sizes[k] - 1);
   }
-  box_ = {center - half, center + half};
-  stride_ = {1, n_[0], n_[0] * n_[1]};
-  unreachable_ = kUnreachable * box_.diagonal();
-  const std::size_t count = n_[0] * n_[1] * n_[2];
+  lattice_.box = {center - half, center + half};
+  lattice_.spacing = {spacing_, spacing_, spacing_};
+  unreachable_ = kUnreachable * lattice_.box.diagonal();
+  const std::size_t count = lattice_.size();
   closed_.assign(count, 0);
   cut_.assign(count, 0);
 
-  // Which cells a triangle may touch: those of its box, in thin slabs along its plane.
+  // Cells that a triangle may touch: those of its box, in thin slabs along its plane.
   for (std::size_t i = 0; i < sheet_.size(); ++i) {
     const std::array<Vec3, 3> t = sheet_.corners(i);
     Box3 around;
@@ -57,58 +58,52 @@ FreeWays::FreeWays(const TriangleSheet& sheet, const Box3& box, int cells) : she
     std::array<std::size_t, 3> first{}, last{};
     bool outside = false;
     for (std::size_t k = 0; k < 3; ++k) {
-      const double low = (around.lower[k] - box_.lower[k]) / spacing_ - 1e-9,
-                   high = (around.upper[k] - box_.lower[k]) / spacing_ + 1e-9;
-      const double most = static_cast<double>(n_[k] - 2);
+      const double low = (around.lower[k] - lattice_.box.lower[k]) / spacing_ - 1e-9,
+                   high = (around.upper[k] - lattice_.box.lower[k]) / spacing_ + 1e-9;
+      const double most = static_cast<double>(lattice_.sizes[k] - 2);
       outside = outside || high < 0 || low > most + 1;
-      first[k] = index_in<std::size_t>(std::floor(low), 0, n_[k] - 2);
-      last[k] = index_in<std::size_t>(std::floor(high), 0, n_[k] - 2);
+      first[k] = index_in<std::size_t>(std::floor(low), 0, lattice_.sizes[k] - 2);
+      last[k] = index_in<std::size_t>(std::floor(high), 0, lattice_.sizes[k] - 2);
     }
     if (outside) continue;
     for (std::size_t z = first[2]; z <= last[2]; ++z)
       for (std::size_t y = first[1]; y <= last[1]; ++y)
         for (std::size_t x = first[0]; x <= last[0]; ++x) {
-          const Vec3 middle = place({x, y, z}) + Vec3{0.5, 0.5, 0.5} * spacing_;
-          if (std::abs(dot(middle - t[0], normal)) <= reach) cut_[index({x, y, z})] = 1;
+          const Vec3 middle = lattice_.position({x, y, z}) + Vec3{0.5, 0.5, 0.5} * spacing_;
+          if (std::abs(dot(middle - t[0], normal)) <= reach) cut_[lattice_.point({x, y, z})] = 1;
         }
   }
+  const BoxLattice::Index stride = lattice_.strides();
   parallel_ranges(0, count, kNodesAtATime, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const std::array<std::size_t, 3> at = {i % n_[0], i / n_[0] % n_[1], i / stride_[2]};
+      const BoxLattice::Index at = lattice_.index(i);
       for (std::size_t k = 0; k < 3; ++k) {
-        if (at[k] + 1 == n_[k]) continue;
-        // The link lies on up to four cells; if none of them is touched, nothing crosses it.
+        if (at[k] + 1 == lattice_.sizes[k]) continue;
+        // The link belongs to up to four cells; if none of them is touched, nothing crosses it.
         bool near = false;
         const std::size_t u = (k + 1) % 3, v = (k + 2) % 3;
         for (std::size_t corner = 0; corner < 4 && !near; ++corner) {
           std::array<std::size_t, 3> cell = at;
           if ((corner & 1) && cell[u]-- == 0) continue;
           if ((corner & 2) && cell[v]-- == 0) continue;
-          near = cut_[index(cell)] != 0;
+          near = cut_[lattice_.point(cell)] != 0;
         }
-        if (near && sheet_.crosses(place(i), place(i + stride_[k])))
+        if (near && sheet_.crosses(lattice_.position(i), lattice_.position(i + stride[k])))
           closed_[i] = static_cast<std::uint8_t>(closed_[i] | 1u << k);
       }
     }
   });
 }
 
-Vec3 FreeWays::place(const std::array<std::size_t, 3>& at) const {
-  return box_.lower +
-         Vec3{static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])} * spacing_;
-}
-
-Vec3 FreeWays::place(std::size_t node) const { return place({node % n_[0], node / n_[0] % n_[1], node / stride_[2]}); }
-
-struct FreeWays::Bend {
-  Vec3 place;
-  double length = 0;  // of the way up to it
+struct DetourLattice::Bend {
+  Vec3 point;
+  double length = 0;  // length of the path to the bend
 };
 
-struct FreeWays::March {
+struct DetourLattice::March {
   using Entry = std::pair<double, std::uint32_t>;
   std::vector<double> lengths;
-  std::vector<std::uint32_t> last;  // of each node: its bend
+  std::vector<std::uint32_t> last;  // per node: its bend
   std::vector<Bend> bends;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> next;
   std::vector<TriangleSheet::Bend> edges;
@@ -119,32 +114,32 @@ struct FreeWays::March {
   }
 };
 
-/// Whether the way to a node leads on to its neighbour.
-void FreeWays::relax(March& march, std::size_t from, std::size_t to) const {
-  const Vec3 y = place(from), x = place(to);
+/// Extends the path of a node to its neighbour, if that is shorter.
+void DetourLattice::relax(March& march, std::size_t from, std::size_t to) const {
+  const Vec3 y = lattice_.position(from), x = lattice_.position(to);
   const double enough = march.lengths[to] - kBetter * spacing_;
   Bend bend = march.bends[march.last[from]];
-  if (!(bend.length + norm(x - bend.place) < enough)) return;
-  if (!sheet_.crosses(bend.place, x)) return march.set(to, bend.length + norm(x - bend.place), march.last[from]);
+  if (!(bend.length + norm(x - bend.point) < enough)) return;
+  if (!sheet_.crosses(bend.point, x)) return march.set(to, bend.length + norm(x - bend.point), march.last[from]);
   for (int i = 0; i < kBends; ++i) {
     march.edges.clear();
-    sheet_.bends(bend.place, y, x, spacing_, march.edges);
-    // Of all edges in between the one that is farthest from the straight way.
-    const Vec3 straight = normalized(x - bend.place);
-    const Vec3 aside = normalized(y - bend.place - straight * dot(y - bend.place, straight));
+    sheet_.bends(bend.point, y, x, spacing_, march.edges);
+    // Among all edges in between, the one farthest from the straight line.
+    const Vec3 straight = normalized(x - bend.point);
+    const Vec3 aside = normalized(y - bend.point - straight * dot(y - bend.point, straight));
     double most = 0;
     const TriangleSheet::Bend* best = nullptr;
     for (const TriangleSheet::Bend& edge : march.edges) {
-      const Vec3 way = edge.point - bend.place;
+      const Vec3 way = edge.point - bend.point;
       const double along = dot(way, straight), angle = std::atan2(dot(way, aside), along);
       if (along > 2 * kAside * spacing_ && angle > most) most = angle, best = &edge;
     }
     if (!best) break;
-    Vec3 at = best_bend(bend.place, x, best->begin, best->end);
+    Vec3 at = best_bend(bend.point, x, best->begin, best->end);
     if (norm(at - best->point) > spacing_) at = best->point + normalized(at - best->point) * spacing_;
     at += aside * (kAside * spacing_);
-    bend.length += norm(at - bend.place);
-    bend.place = at;
+    bend.length += norm(at - bend.point);
+    bend.point = at;
     if (!(bend.length + norm(x - at) < enough)) return;
     if (sheet_.crosses(at, x)) continue;
     march.bends.push_back(bend);
@@ -156,7 +151,7 @@ void FreeWays::relax(March& march, std::size_t from, std::size_t to) const {
   march.set(to, length + spacing_, static_cast<std::uint32_t>(march.bends.size() - 1));
 }
 
-std::vector<float> FreeWays::extras(const Vec3& from) const {
+std::vector<float> DetourLattice::extra_lengths(const Vec3& from) const {
   const std::size_t count = closed_.size();
   March march;
   march.lengths.assign(count, kFar);
@@ -165,18 +160,19 @@ std::vector<float> FreeWays::extras(const Vec3& from) const {
   std::vector<std::uint8_t> seen(count);
   parallel_ranges(0, count, kNodesAtATime, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 x = place(i);
+      const Vec3 x = lattice_.position(i);
       if (sheet_.crosses(from, x)) continue;
       seen[i] = 1;
       march.lengths[i] = norm(x - from);
     }
   });
+  const BoxLattice::Index stride = lattice_.strides();
   const auto around = [&](std::size_t node, const auto& use) {
-    const std::array<std::size_t, 3> at = {node % n_[0], node / n_[0] % n_[1], node / stride_[2]};
+    const BoxLattice::Index at = lattice_.index(node);
     for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t s = stride_[k];
+      const std::size_t s = stride[k];
       if (at[k] > 0 && !seen[node - s] && !(closed_[node - s] >> k & 1)) use(node - s);
-      if (at[k] + 1 < n_[k] && !seen[node + s] && !(closed_[node] >> k & 1)) use(node + s);
+      if (at[k] + 1 < lattice_.sizes[k] && !seen[node + s] && !(closed_[node] >> k & 1)) use(node + s);
     }
   };
   for (std::size_t i = 0; i < count; ++i)
@@ -190,14 +186,15 @@ std::vector<float> FreeWays::extras(const Vec3& from) const {
   std::vector<float> result(count);
   for (std::size_t i = 0; i < count; ++i)
     if (!seen[i])
-      result[i] = static_cast<float>(
-          march.lengths[i] == kFar ? unreachable_ : std::max(0.0, march.lengths[i] - norm(place(i) - from)));
+      result[i] = static_cast<float>(march.lengths[i] == kFar
+                                         ? unreachable_
+                                         : std::max(0.0, march.lengths[i] - norm(lattice_.position(i) - from)));
   return result;
 }
 
-double FreeWays::in_cut_cell(const std::vector<float>& values, const std::array<std::size_t, 3>& cell,
-                             const Vec3& x) const {
-  const Vec3 f = (x - place(cell)) / spacing_;
+double DetourLattice::in_cut_cell(const std::vector<float>& values, const std::array<std::size_t, 3>& cell,
+                                  const Vec3& x) const {
+  const Vec3 f = (x - lattice_.position(cell)) / spacing_;
   const double sight = kSight * spacing_;
   double sum = 0, weights = 0, least = std::numeric_limits<double>::infinity();
   std::vector<TriangleSheet::Crossing> crossings;
@@ -205,11 +202,11 @@ double FreeWays::in_cut_cell(const std::vector<float>& values, const std::array<
     const std::array<std::size_t, 3> at = {cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)};
     double weight = 1;
     for (std::size_t k = 0; k < 3; ++k) weight *= at[k] == cell[k] ? 1 - f[k] : f[k];
-    const auto value = static_cast<double>(values[index(at)]);
+    const auto value = static_cast<double>(values[lattice_.point(at)]);
     least = std::min(least, value);
     if (!(weight > 0)) continue;
     crossings.clear();
-    sheet_.crossings(x, place(at), crossings);
+    sheet_.crossings(x, lattice_.position(at), crossings);
     for (const TriangleSheet::Crossing& crossing : crossings) {
       const double from_border = sheet_.nearest_border(crossing.point, sight).distance;
       weight *= std::max(0.0, 1 - from_border / sight);
@@ -219,24 +216,25 @@ double FreeWays::in_cut_cell(const std::vector<float>& values, const std::array<
   return weights > 1e-9 ? sum / weights : least;
 }
 
-FreeWays::Value FreeWays::interpolate(const std::vector<float>& values, const Vec3& x) const {
+Detour DetourLattice::interpolate(const std::vector<float>& values, const Vec3& x) const {
   if (!is_finite(x)) return {};
   std::array<std::size_t, 3> cell{};
   Vec3 f, p = x;
   std::array<bool, 3> beyond{};
   for (std::size_t k = 0; k < 3; ++k) {
-    beyond[k] = p[k] < box_.lower[k] || p[k] > box_.upper[k];
-    p[k] = std::clamp(p[k], box_.lower[k], box_.upper[k]);
-    const double t = (p[k] - box_.lower[k]) / spacing_;
-    cell[k] = std::min(static_cast<std::size_t>(t), n_[k] - 2);
+    beyond[k] = p[k] < lattice_.box.lower[k] || p[k] > lattice_.box.upper[k];
+    p[k] = std::clamp(p[k], lattice_.box.lower[k], lattice_.box.upper[k]);
+    const double t = (p[k] - lattice_.box.lower[k]) / spacing_;
+    cell[k] = std::min(static_cast<std::size_t>(t), lattice_.sizes[k] - 2);
     f[k] = t - static_cast<double>(cell[k]);
   }
-  const std::size_t node = index(cell);
-  Value result;
+  const std::size_t node = lattice_.point(cell);
+  Detour result;
   std::array<double, 8> v;
   bool any = false;
   for (std::size_t c = 0; c < 8; ++c) {
-    v[c] = static_cast<double>(values[node + (c & 1) * stride_[0] + (c >> 1 & 1) * stride_[1] + (c >> 2) * stride_[2]]);
+    const BoxLattice::Index at{cell[0] + (c & 1), cell[1] + (c >> 1 & 1), cell[2] + (c >> 2)};
+    v[c] = static_cast<double>(values[lattice_.point(at)]);
     any = any || v[c] > 0;
   }
   if (!any) return result;
@@ -245,25 +243,25 @@ FreeWays::Value FreeWays::interpolate(const std::vector<float>& values, const Ve
     const double y0 = mix(v[0], v[1], f.x), y1 = mix(v[2], v[3], f.x), y2 = mix(v[4], v[5], f.x),
                  y3 = mix(v[6], v[7], f.x);
     const double z0 = mix(y0, y1, f.y), z1 = mix(y2, y3, f.y);
-    result.value = mix(z0, z1, f.z);
+    result.extra = mix(z0, z1, f.z);
     result.gradient = Vec3{mix(mix(v[1] - v[0], v[3] - v[2], f.y), mix(v[5] - v[4], v[7] - v[6], f.y), f.z),
                            mix(y1 - y0, y3 - y2, f.z), z1 - z0} /
                       spacing_;
   } else {
-    result.value = in_cut_cell(values, cell, p);
+    result.extra = in_cut_cell(values, cell, p);
     const double step = 1e-4 * spacing_;
     for (std::size_t k = 0; k < 3; ++k) {
       if (beyond[k]) continue;
-      // Within the cell, and on this side of the sheet.
+      // A second point within the cell, on this side of the sheet.
       Vec3 q = p;
       double by = f[k] < 0.5 ? step : -step;
       q[k] += by;
       if (sheet_.crosses(p, q)) {
         by = -by, q[k] = p[k] + by;
-        const double t = (q[k] - box_.lower[k]) / spacing_ - static_cast<double>(cell[k]);
+        const double t = (q[k] - lattice_.box.lower[k]) / spacing_ - static_cast<double>(cell[k]);
         if (t < 0 || t > 1 || sheet_.crosses(p, q)) continue;
       }
-      result.gradient[k] = (in_cut_cell(values, cell, q) - result.value) / by;
+      result.gradient[k] = (in_cut_cell(values, cell, q) - result.extra) / by;
     }
   }
   for (std::size_t k = 0; k < 3; ++k)
