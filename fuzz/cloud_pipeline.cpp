@@ -16,7 +16,7 @@
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
-#include "sansmesh/points/sights.h"
+#include "sansmesh/points/sensor_directions.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/reconstruct.h"
 #include "sansmesh/triangulation/block_tree.h"
@@ -129,7 +129,7 @@ void inform(const PointSet& points) {
     demand(share >= 0 && share <= 1 + 1e-9, "a share of the normals is no share");
   first_known_orientation(points, noise.deviation);
   for (const OrientBy by : kOrientationOrder)
-    for (const Vec3f& sight : find_own_sights(points, by, noise.deviation))
+    for (const Vec3f& sight : find_own_sensor_directions(points, by, noise.deviation))
       demand(is_finite(sight), "a direction to where a sample was seen from is not finite");
 }
 

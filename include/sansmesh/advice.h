@@ -62,7 +62,7 @@ struct Recommendation {
   std::string surface;           ///< name of the method (SurfaceOptions::method)
   bool sharp = false;            ///< SurfaceOptions::sharp
   bool remove_outliers = false;  ///< CloudPreparation::remove_outliers
-  std::string why;               ///< one sentence; names options as errors do (sansmesh/error.h)
+  std::string why;               ///< one sentence, which names options as errors do (sansmesh/error.h)
 };
 
 /// Traits and the conclusions from them.

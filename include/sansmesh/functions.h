@@ -41,7 +41,8 @@ struct FitFunctionOptions {
 struct SANSMESH_API FitFunctionReport {
   bool estimated_normals = false;       ///< there were none, or they were not wanted
   std::optional<OrientBy> oriented_by;  ///< from what the normals got their signs; nothing: from the input
-  std::string alignment;  ///< what was done to scans, in words; empty where nothing was asked for (CloudUse::align)
+  std::string
+      alignment;  ///< what was done to scans, in words; empty where nothing was asked for (CloudPreparation::align)
 
   static const ReportSchema& schema();  ///< a row for each thing that it tells
 };

@@ -42,9 +42,10 @@ struct SANSMESH_API ReconstructReport : MeshReport {
   double noise = 0;                     ///< estimated standard deviation of the samples off the surface (length)
   bool estimated_normals = false;       ///< there were none, or they were not wanted
   std::optional<OrientBy> oriented_by;  ///< from what the normals got their signs; nothing: from the input
-  std::string alignment;  ///< what was done to scans, in words; empty where nothing was asked for (CloudUse::align)
-  std::size_t fits = 0;   ///< local approximations of the function; 0 for other surfaces
-  int fit_depth = 0;      ///< deepest level of their tree; 0 for other surfaces
+  std::string
+      alignment;  ///< what was done to scans, in words; empty where nothing was asked for (CloudPreparation::align)
+  std::size_t fits = 0;              ///< local approximations of the function; 0 for other surfaces
+  int fit_depth = 0;                 ///< deepest level of their tree; 0 for other surfaces
   FitsOfDegree fits_of_degree{};     ///< how many of them have degree 0, 1, …, kMaxDegree
   std::optional<PaperReport> paper;  ///< of FitMethod::paper: how its blocks came to be
   double open_share = 0;  ///< share (0..1) of the function's surface that bounds no solid; 0 for other surfaces

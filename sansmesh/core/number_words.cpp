@@ -21,7 +21,7 @@ std::string counted(std::uint64_t n, std::string_view noun) {
 std::string length_words(double length) { return fmt::format("{:.4g}", length); }
 
 std::string place_words(const Vec3& p) {
-  // Adding 0 turns -0 into 0.
+  // Adding 0 turns −0 into 0.
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x + 0.0, p.y + 0.0, p.z + 0.0);
 }
 

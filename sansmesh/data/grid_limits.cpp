@@ -6,16 +6,15 @@
 #include <cmath>
 
 #include "sansmesh/box.h"
+#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/length_limits.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
-/// Corners of a lattice, or all points that are finite.
+/// Bounding box of a lattice, or of all finite points.
 Box3 box_of(const GridBlock& block) {
-  Box3 box;
-  for (const Vec3& p : block.points)
-    if (is_finite(p)) box.extend(p);
+  Box3 box = finite_bounds(block.points);
   if (block.kind == GridKind::lattice) box.extend(lattice_box(block));
   return box;
 }

@@ -14,7 +14,7 @@ std::vector<double> slopes_at(const VolumeField& field, std::span<const Vec3> po
   field.evaluate(some, {{}, gradients});
   std::vector<double> slopes;
   for (const Vec3& g : gradients)
-    if (const double slope = long_norm(g); slope > 0) slopes.push_back(slope);
+    if (const double slope = safe_norm(g); slope > 0) slopes.push_back(slope);
   return slopes;
 }
 

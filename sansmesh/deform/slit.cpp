@@ -10,6 +10,7 @@
 #include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/edit/deformed_mesh.h"
 #include "sansmesh/mesh/edit/refine_edges.h"
 #include "sansmesh/mesh/mesh_vertices.h"
@@ -60,12 +61,7 @@ class SlitMaker {
   };
 
   Vec3 world(std::uint32_t v) const { return mesh_.origin + Vec3(mesh_.vertices[v]); }
-  static bool three_corners(const Triangle& t) { return t[0] != t[1] && t[1] != t[2] && t[2] != t[0]; }
-  bool good(const Triangle& t) const {
-    for (const std::uint32_t v : t)
-      if (v >= mesh_.vertices.size() || !is_finite(mesh_.vertices[v])) return false;
-    return three_corners(t);
-  }
+  bool good(const Triangle& t) const { return has_valid_corners(mesh_.vertices, t) && has_distinct_corners(t); }
 
   /// Finds where the cut crosses edges, except at vertices that are on the cut.
   void find_crossings() {
@@ -392,7 +388,7 @@ class SlitMaker {
     std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> around;  // triangles
     for (const std::uint64_t e : cut_edges_) around[smaller_end(e)], around[larger_end(e)];
     for (std::uint32_t i = 0; i < mesh_.triangles.size(); ++i) {
-      if (!three_corners(mesh_.triangles[i])) continue;
+      if (!has_distinct_corners(mesh_.triangles[i])) continue;
       for (const std::uint32_t v : mesh_.triangles[i])
         if (const auto at = around.find(v); at != around.end()) at->second.push_back(i);
     }

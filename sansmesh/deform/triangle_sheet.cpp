@@ -5,7 +5,7 @@
 #include <map>
 
 #include "sansmesh/mesh/mesh_closest.h"
-#include "sansmesh/mesh/repair/same_places.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -140,7 +140,7 @@ void TriangleSheet::visit(const Tree& tree, const Enters& enters, const Use& use
 }
 
 TriangleSheet::TriangleSheet(const TriangleMesh& mesh) {
-  const std::vector<std::uint32_t> first = first_at_place(mesh.vertices);
+  const std::vector<std::uint32_t> first = first_equal_positions(mesh.vertices);
   points_.reserve(mesh.vertices.size());
   for (const Vec3f& v : mesh.vertices) points_.push_back(mesh.origin + Vec3(v));
   struct Side {

@@ -11,6 +11,7 @@
 #include "sansmesh/dynamics/spring_model.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
+#include "sansmesh/search/space_order.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -61,7 +62,7 @@ SoftBody::SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene s
   State& s = *state_;
   s.mesh = std::move(mesh), s.scene = std::move(scene);
   s.masses = lumped_masses(s.mesh, options);
-  s.order = order_in_space(s.mesh.vertices);
+  s.order = space_order(s.mesh.vertices);
   const std::size_t n = s.order.size();
   s.place.resize(n);
   for (std::size_t i = 0; i < n; ++i) s.place[s.order[i]] = static_cast<std::uint32_t>(i);

@@ -14,6 +14,7 @@
 #include "sansmesh/dynamics/vertex_graph.h"
 #include "sansmesh/error.h"
 #include "sansmesh/search/box_levels.h"
+#include "sansmesh/search/space_order.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -150,7 +151,7 @@ TetMap::TetMap(std::span<const Tet> tets, std::span<const Vec3> from, std::span<
     if (!is_finite(centers[t])) throw DataError("tetrahedra have positions that are not finite");
   }
   if (!whole.empty()) state->origin = whole.center();
-  for (const std::uint32_t t : order_in_space(centers)) {
+  for (const std::uint32_t t : space_order(centers)) {
     const Tet& c = tets[t];
     const TetGradients shape = tet_gradients(c, from);
     const double size = norm(from[c[1]] - from[c[0]]) * norm(from[c[2]] - from[c[0]]) * norm(from[c[3]] - from[c[0]]);

@@ -2,10 +2,7 @@
 
 #include <algorithm>
 
-#include "sansmesh/box.h"
 #include "sansmesh/core/edge_key.h"
-#include "sansmesh/core/index_in.h"
-#include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 
@@ -87,24 +84,6 @@ ItemLists tets_of_edges(std::span<const Tet> tets, const VertexGraph& graph) {
     lists.items[next[edges[k]]++] = static_cast<std::uint32_t>(16 * (k / 6) + 4 * a + b);
   }
   return lists;
-}
-
-std::vector<std::uint32_t> order_in_space(std::span<const Vec3> x) {
-  Box3 box;
-  for (const Vec3& p : x) box.extend(p);
-  const Vec3 size = x.empty() ? Vec3{} : box.size();
-  const double longest = std::max({size.x, size.y, size.z});
-  const double scale = longest > 0 ? 2097151 / longest : 0;
-  std::vector<KeyIndex> keys(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const Vec3 q = (x[i] - box.lower) * scale;
-    const auto cell = [](double at) { return index_in<std::uint32_t>(at, 0, 2097151); };
-    keys[i] = {morton_code(cell(q.x), cell(q.y), cell(q.z)), static_cast<unsigned>(i)};
-  }
-  parallel_sort(keys);
-  std::vector<std::uint32_t> order(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) order[i] = keys[i].index;
-  return order;
 }
 
 }  // namespace sansmesh::inline v1

@@ -33,8 +33,4 @@ ItemLists corners_of_vertices(std::span<const Tet> tets, std::size_t vertices);
 /// second, ascending.
 ItemLists tets_of_edges(std::span<const Tet> tets, const VertexGraph& graph);
 
-/// An order of the vertices along the Morton curve, so that neighbours in space are neighbours in memory: entry k is
-/// the k-th vertex.
-std::vector<std::uint32_t> order_in_space(std::span<const Vec3> x);
-
 }  // namespace sansmesh::inline v1

@@ -5,9 +5,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
-#include "sansmesh/mesh/repair/same_places.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -33,7 +34,7 @@ std::uint32_t number_sets(UnionFind& sets, std::vector<std::uint32_t>& of) {
 }  // namespace
 
 MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double least_crease) {
-  const std::vector<std::uint32_t> same = first_at_place(mesh.vertices);
+  const std::vector<std::uint32_t> same = first_equal_positions(mesh.vertices);
   const std::size_t n = mesh.triangles.size();
   triangles.resize(n);
   normal.resize(n);
@@ -47,7 +48,7 @@ MeshPatches::MeshPatches(const TriangleMesh& mesh, double crease_angle, double l
   for (std::uint32_t t = 0; t < n; ++t)
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t a = triangles[t][k], b = triangles[t][(k + 1) % 3];
-      if (a != b) all.push_back({std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), 3 * t + k});
+      if (a != b) all.push_back({edge_key(a, b), 3 * t + k});
     }
   std::sort(all.begin(), all.end(), [](const MeshEdge& a, const MeshEdge& b) {
     return a.ends != b.ends ? a.ends < b.ends : a.half_edge < b.half_edge;

@@ -302,7 +302,7 @@ namespace {
 constexpr ReportRow kMeshUpdateRows[] = {
     reported<&MeshUpdate::local>({.text = "Whether only parts were made anew"}),
     reported<&MeshUpdate::removed>({.text = "Triangles that were removed"}),
-    reported<&MeshUpdate::added>({.text = "Triangles that were added"}),
+    reported<&MeshUpdate::added>({.text = "Added triangles"}),
     reported<&MeshUpdate::regions>({.text = "Separate regions that were made anew"}),
     reported<[](const MeshUpdate& r) { return told_if(!r.why.empty(), r.why); }>(
         {.name = "why", .text = "Reason for which all was made anew"})};

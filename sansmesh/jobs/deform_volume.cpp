@@ -162,7 +162,7 @@ class VolumePoses {
 
  private:
   Box3 box_at(const DeformationMaps& maps) const {
-    return box_before(*maps.backward, before_, deformation_.box_of(maps, before_));
+    return preimage_box(*maps.backward, before_, deformation_.box_of(maps, before_));
   }
 
   /// The deformation itself is slow to ask at each step of each ray.

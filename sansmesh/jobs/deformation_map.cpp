@@ -40,7 +40,7 @@ DeformationMapResult deformation_map(const Deformation& deformation, const Box3&
     throw ArgumentError("`displacement_map` needs an input that ends somewhere, for its box");
   const DeformationMaps maps = deformation.at(1);
   const Box3 box = options.box ? *options.box : with_name(name, [&] {
-    return with_room(box_before(*maps.backward, before, deformation.box_of(maps, before)), kMapMargin);
+    return with_room(preimage_box(*maps.backward, before, deformation.box_of(maps, before)), kMapMargin);
   });
   const DisplacementMap map =
       displacement_map(*maps.backward, box,

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh/topology_words.h"
 
 namespace sansmesh::inline v1 {
@@ -50,7 +50,7 @@ std::size_t wide_fillings(const FillReport& r) {
 HolesResult list_holes(TriangleMesh mesh, Progress& progress) {
   HolesResult result;
   result.triangles = mesh.triangles.size();
-  result.joined_vertices = join_places(mesh).joined;
+  result.joined_vertices = join_equal_vertices(mesh).joined;
   progress.begin("find holes");
   result.holes = find_holes(mesh);
   add_stray_note(result.holes, result.notes);
@@ -61,7 +61,7 @@ FillResult fill(TriangleMesh mesh, const FillOptions& options, Progress& progres
   options.validate();
   FillResult result;
   result.triangles = mesh.triangles.size();
-  const JoinedPlaces places = join_places(mesh);
+  const JoinedVertices places = join_equal_vertices(mesh);
   result.joined_vertices = places.joined;
   result.mesh = std::move(mesh);
   const FillReport& r = result.report = fill_holes(result.mesh, options, progress);

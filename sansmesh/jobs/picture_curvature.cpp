@@ -23,7 +23,8 @@ class ModelCurvature final : public CurvatureField {
   ModelCurvature(const SurfaceModel& model, double step, Progress& progress)
       : signed_distance_(model.projection() ? std::make_unique<ProjectionField>(*model.projection()) : nullptr),
         bends_(signed_distance_ ? *signed_distance_ : model.field(progress), step) {}
-  void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals, std::span<SurfaceBend> bends) const override {
+  void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals,
+                std::span<SurfaceCurvature> bends) const override {
     bends_.evaluate(x, normals, bends);
   }
 

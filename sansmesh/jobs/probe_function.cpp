@@ -2,7 +2,7 @@
 
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/field/level_set_curvature.h"
+#include "sansmesh/field/curvature_field.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/functions.h"
 

@@ -1,4 +1,5 @@
 #include "sansmesh/attribute_table.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/option.h"
 #include "sansmesh/repair.h"
@@ -16,7 +17,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/repair/components.h"
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 #include "sansmesh/mesh/topology_words.h"
 #include "sansmesh/mesh_measures.h"
 
@@ -124,11 +125,11 @@ SimplifyResult simplify(TriangleMesh mesh, const SimplifyOptions& options, Progr
   options.validate();
   SimplifyResult result;
   const TriangleMesh original = mesh;
-  const JoinedPlaces places = join_places(mesh);
+  const JoinedVertices places = join_equal_vertices(mesh);
   result.report.vertices = original.vertices.size(), result.report.triangles = original.triangles.size();
   result.report.joined_vertices = places.joined;
   if (places.seams > 0) result.notes.push_back(seams_note(places.seams));
-  std::erase_if(mesh.triangles, [&](const Triangle& t) { return !is_whole(mesh, t); });
+  std::erase_if(mesh.triangles, [&](const Triangle& t) { return !has_valid_corners(mesh.vertices, t); });
   keep_triangles(mesh, std::vector<std::uint8_t>(mesh.triangles.size(), 1));  // and none of the vertices beside them
   CollapseOptions collapse;
   collapse.error = options.error.value_or(kFirstError * bounds(mesh).diagonal());

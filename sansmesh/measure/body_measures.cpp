@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/group_rows.h"
@@ -88,7 +89,7 @@ void count_edges(const TriangleMesh& mesh, const std::vector<std::uint32_t>& com
     const Triangle& t = mesh.triangles[i];
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = t[k], b = t[(k + 1) % 3];
-      edges[3 * i + k] = {std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), static_cast<unsigned>(3 * i + k)};
+      edges[3 * i + k] = {edge_key(a, b), static_cast<unsigned>(3 * i + k)};
     }
   });
   parallel_sort(edges);
@@ -190,7 +191,8 @@ constexpr ReportRow kBodyMeasuresRows[] = {
     reported<&BodyMeasures::triangles>({.text = "Triangles"}),
     reported<&BodyMeasures::closed>({.text = "Whether the triangles enclose a volume"}),
     reported<&BodyMeasures::boundary_edges>({.text = "Edges of one triangle"}),
-    reported<&BodyMeasures::open_edges>({.text = "Edges whose triangles do not cancel in direction"}),
+    reported<&BodyMeasures::open_edges>(
+        {.text = "Edges that triangles traverse more often in one direction than in the other"}),
     reported<&BodyMeasures::nonmanifold_edges>({.text = "Edges of three triangles or more"}),
     reported<&BodyMeasures::area>({.text = "Area", .unit = "length²"}),
     reported<&BodyMeasures::surface_center>({.text = "Mean of the surface's points", .unit = "length"}),

@@ -6,13 +6,13 @@
 #include "sansmesh/data/group_rows.h"
 #include "sansmesh/error.h"
 #include "sansmesh/measure/points_signed_distance.h"
-#include "sansmesh/mesh/repair/same_places.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 
 MeshDistance::MeshDistance(const TriangleMesh& mesh) : mesh_(mesh), closest_(mesh) {
   if (closest_.empty()) throw DataError("no triangles to measure distances to");
-  same_ = first_at_place(mesh.vertices);
+  same_ = first_equal_positions(mesh.vertices);
   const std::size_t n = mesh.vertices.size();
   const auto usable = [&](const Triangle& t) {
     return t[0] < n && t[1] < n && t[2] < n && is_finite(mesh.vertices[t[0]]) && is_finite(mesh.vertices[t[1]]) &&

@@ -3,10 +3,10 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "sansmesh/core/index_in.h"
+#include "sansmesh/core/largest_first.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
@@ -130,12 +130,9 @@ std::vector<std::uint8_t> chosen_components(const TriangleMesh& mesh, const Mesh
     samples = sample_components(mesh, components, points);
     supported = supported_area(samples, count, spacing);
   }
-  std::vector<std::uint32_t> order(count);
-  std::iota(order.begin(), order.end(), 0u);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return supported[a] > supported[b]; });
   std::size_t kept = 0;
   std::vector<std::uint8_t> chosen(count, 0);
+  const std::vector<std::uint32_t> order = largest_first(supported);
   for (const std::uint32_t k : order) {
     const bool automatic = choice.kind == ComponentChoice::Kind::automatic;
     if (!automatic && kept == static_cast<std::size_t>(choice.count)) break;

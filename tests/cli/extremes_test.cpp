@@ -147,7 +147,7 @@ TEST_F(Extremes, OptionsBeyondAllMeasureAreErrors) {
                    {picture({"--look-at", "0,0,0", "--look-radius", "1e-300"}), 2, {"--look-radius"}},
                    {{"csg", "sphere(1e-44)", "-o", "s.ply"}, 1, {"2e-44 across"}},
                    {{"csg", "sphere(1e300)", "-o", "s.ply"}, 2, {"reaches out to 1e+300"}},
-                   {{"convert", "in.off", "-o", "c.ply", "--scale", "1e-40"}, 1, {"shrinks everything"}},
+                   {{"convert", "in.off", "-o", "c.ply", "--scale", "1e-40"}, 1, {"shrinks all lengths"}},
                    {{"convert", "in.off", "-o", "c.ply", "--scale", "1e300"}, 1, {"beyond 1e18"}}});
 }
 

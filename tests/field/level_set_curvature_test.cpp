@@ -1,4 +1,3 @@
-#include "sansmesh/field/level_set_curvature.h"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +7,7 @@
 #include <random>
 
 #include "sansmesh/error.h"
+#include "sansmesh/field/curvature_field.h"
 #include "sansmesh/partition/partition_fit.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
@@ -74,7 +74,7 @@ TEST(LevelSetCurvature, TorusHasBothSigns) {
 }
 
 TEST(LevelSetCurvature, OfTheSetNotOfTheFunction) {
-  // The same level sets of a steeper function; the other side of the surface is concave.
+  // A steeper function with the same level sets; the other side of the surface is concave.
   const FormulaField steep([](const Vec3& p, Vec3& gradient) {
     gradient = p * (3 * norm(p));
     return std::pow(norm(p), 3) - 1;

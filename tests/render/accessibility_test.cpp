@@ -169,8 +169,8 @@ TEST(Accessibility, ABallBesideHidesTheSquareOfItsAngle) {
 class EvenBend final : public CurvatureField {
  public:
   explicit EvenBend(float bend) : bend_(bend) {}
-  void evaluate(std::span<const Vec3>, std::span<const Vec3f>, std::span<SurfaceBend> bends) const override {
-    std::fill(bends.begin(), bends.end(), SurfaceBend{bend_, bend_, {1, 0, 0}, {0, 1, 0}, true});
+  void evaluate(std::span<const Vec3>, std::span<const Vec3f>, std::span<SurfaceCurvature> bends) const override {
+    std::fill(bends.begin(), bends.end(), SurfaceCurvature{bend_, bend_, {1, 0, 0}, {0, 1, 0}, true});
   }
 
  private:

@@ -26,7 +26,7 @@
 #include "sansmesh/dynamics/soft_body.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/dynamics/tet_map.h"
-#include "sansmesh/field/level_set_curvature.h"
+#include "sansmesh/field/curvature_field.h"
 #include "sansmesh/function/diagnose_function.h"
 #include "sansmesh/function/edit_function.h"
 #include "sansmesh/function/function_distance.h"

@@ -146,10 +146,10 @@ TEST(Magnitudes, OutOfRangeAreErrors) {
 }
 
 TEST(Magnitudes, LengthsOfVectorsAreRight) {
-  EXPECT_EQ(long_norm({3, 4, 0}), 5);
-  EXPECT_EQ(long_norm(Vec3{3, 4, 0} * 0x1p900), 5 * 0x1p900);
-  EXPECT_EQ(long_norm(Vec3{3, 4, 0} * 0x1p-900), 5 * 0x1p-900);
-  EXPECT_EQ(long_norm({0, 0, 0}), 0);
+  EXPECT_EQ(safe_norm({3, 4, 0}), 5);
+  EXPECT_EQ(safe_norm(Vec3{3, 4, 0} * 0x1p900), 5 * 0x1p900);
+  EXPECT_EQ(safe_norm(Vec3{3, 4, 0} * 0x1p-900), 5 * 0x1p-900);
+  EXPECT_EQ(safe_norm({0, 0, 0}), 0);
   EXPECT_EQ(vector_length(std::vector<double>{3e300, 4e300}), vector_length(std::vector<double>{4e300, 3e300}));
   EXPECT_NEAR(vector_length(std::vector<double>{3e300, 4e300}), 5e300, 1e286);
   EXPECT_EQ(vector_length(std::vector<double>{0, 0}), 0);

@@ -53,7 +53,7 @@ std::string did_you_mean_file(const std::string& missing) {
   for (; !error && entry != fs::directory_iterator() && names.size() < kMostFiles; entry.increment(error))
     // Endings that are the same make no names alike.
     if (const fs::path known = entry->path().filename();
-        known.extension() != name.extension() || unlikeness(name.stem().string(), known.stem().string()) >= 0)
+        known.extension() != name.extension() || word_distance(name.stem().string(), known.stem().string()) >= 0)
       names.push_back(known.string());
   std::sort(names.begin(), names.end());  // folders have no order
   std::vector<std::string> shown;

@@ -31,7 +31,7 @@ struct Texel {
   bool hit = false;
   float distance = 0, facing = 0;
   Vec3f place, normal;
-  SurfaceBend bend;
+  SurfaceCurvature bend;
 };
 
 class CrestInk {
@@ -49,7 +49,7 @@ class CrestInk {
     const Texel& here = map_.at(x, y);
     if (!here.hit) return 0;
     float ink = suggestive(x, y, here);
-    const SurfaceBend& b = here.bend;
+    const SurfaceCurvature& b = here.bend;
     if (!b.defined) return ink;
     if (b.k1 > kOneSided * std::abs(b.k2))
       ink = std::max(ink, crest(x, y, here, b.k1, b.direction1, [](const Texel& t) { return t.bend.k1; }));
@@ -85,11 +85,11 @@ class CrestInk {
       columns.push_back(x);
     }
     if (options_.look.curvature == nullptr || places.empty()) return;
-    std::vector<SurfaceBend> bends(places.size());
+    std::vector<SurfaceCurvature> bends(places.size());
     options_.look.curvature->evaluate(places, normals, bends);
     const auto size = static_cast<float>(frame.size);
     for (std::size_t k = 0; k < bends.size(); ++k) {
-      SurfaceBend& b = map_.at(columns[k], y).bend;
+      SurfaceCurvature& b = map_.at(columns[k], y).bend;
       b = bends[k];
       b.k1 *= size, b.k2 *= size;  // over the picture's diagonal
     }

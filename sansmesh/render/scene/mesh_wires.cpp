@@ -3,24 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
+
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
 
 constexpr std::uint32_t kNoOther = std::numeric_limits<std::uint32_t>::max();
-
-/// Of each vertex the first one at the same place: seams are no borders.
-std::vector<std::uint32_t> first_at_place(const std::vector<Vec3f>& vertices) {
-  std::vector<std::uint32_t> order(vertices.size()), first(vertices.size());
-  std::iota(order.begin(), order.end(), 0u);
-  const auto key = [&](std::uint32_t v) { return std::tuple(vertices[v].x, vertices[v].y, vertices[v].z, v); };
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
-  for (std::size_t i = 0; i < order.size(); ++i)
-    first[order[i]] = i > 0 && vertices[order[i]] == vertices[order[i - 1]] ? first[order[i - 1]] : order[i];
-  return first;
-}
 
 struct WireEdge {
   std::uint32_t a, b, triangle, corner;
@@ -38,7 +28,8 @@ MeshWires::MeshWires(const TriangleMesh& mesh, const Camera& camera, int height,
       half_(static_cast<float>(0.5 * width)),
       sharpness_(static_cast<float>(samples)),
       others_(mesh.triangles.size(), {kNoOther, kNoOther, kNoOther}) {
-  const std::vector<std::uint32_t> place = first_at_place(mesh.vertices);
+  // Seams are no borders.
+  const std::vector<std::uint32_t> place = first_equal_positions(mesh.vertices);
   std::vector<WireEdge> edges;
   edges.reserve(3 * mesh.triangles.size());
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)

@@ -300,7 +300,7 @@ class Painter::Work {
       normals.push_back(batch.points[i]->normal);
       whose.push_back(p);
     }
-    std::vector<SurfaceBend> bends(places.size());
+    std::vector<SurfaceCurvature> bends(places.size());
     if (!places.empty()) options_.look.curvature->evaluate(places, normals, bends);
     const auto radius = static_cast<float>(*options_.look.accessibility * frame_.size);
     for (std::size_t k = 0; k < whose.size(); ++k)

@@ -56,7 +56,7 @@ void add_values(const VolumeField& field, std::span<const Vec3> x, bool all, Fou
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (!all && !inside[i]) continue;
     found.values.push_back(values[i]);
-    found.slopes.push_back(long_norm(gradients[i]));
+    found.slopes.push_back(safe_norm(gradients[i]));
   }
 }
 

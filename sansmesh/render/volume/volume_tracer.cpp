@@ -263,7 +263,7 @@ void VolumeTracer::shade(const Walk& walk, Sample& sample, bool surface) const {
   sample.light = {1, 1, 1};
   sample.gloss = {};
   if (!options_.shading && !surface) return;
-  const double steep = long_norm(sample.gradient);
+  const double steep = safe_norm(sample.gradient);
   if (!(steep > 0)) return;
   const double weaker = weak_ / steep;
   const float share = surface ? 1.0f : static_cast<float>(1 / (1 + weaker * weaker));

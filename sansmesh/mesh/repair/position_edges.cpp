@@ -1,36 +1,31 @@
-#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh/repair/position_edges.h"
 
 #include <algorithm>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/parallel.h"
+#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 #include "sansmesh/mesh/mesh_vertices.h"
-#include "sansmesh/mesh/repair/same_places.h"
+
 #include "sansmesh/mesh/vertex_corners.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 
-bool is_whole(const TriangleMesh& mesh, const Triangle& t) {
-  const std::size_t n = mesh.vertices.size();
-  return t[0] < n && t[1] < n && t[2] < n && is_finite(mesh.vertices[t[0]]) && is_finite(mesh.vertices[t[1]]) &&
-         is_finite(mesh.vertices[t[2]]);
-}
-
-PlaceEdges edges_by_place(const TriangleMesh& mesh) {
+PositionEdges edges_by_position(const TriangleMesh& mesh) {
   if (mesh.triangles.size() > kMostTriangles) throw DataError("the mesh has more triangles than can be counted");
-  PlaceEdges all;
-  all.place = first_at_place(mesh.vertices);
+  PositionEdges all;
+  all.representative = first_equal_positions(mesh.vertices);
   std::vector<KeyIndex> keys;
   keys.reserve(3 * mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-    if (!is_whole(mesh, mesh.triangles[i])) continue;
+    if (!has_valid_corners(mesh.vertices, mesh.triangles[i])) continue;
     Triangle t = mesh.triangles[i];
-    for (std::uint32_t& v : t) v = all.place[v];
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(t[k], t[(k + 1) % 3]);
-      keys.push_back({std::uint64_t{low} << 32 | high, static_cast<unsigned>(3 * i + k)});
-    }
+    for (std::uint32_t& v : t) v = all.representative[v];
+    if (!has_distinct_corners(t)) continue;
+    for (std::size_t k = 0; k < 3; ++k)
+      keys.push_back({edge_key(t[k], t[(k + 1) % 3]), static_cast<unsigned>(3 * i + k)});
   }
   parallel_sort(keys);
   all.corners.resize(keys.size());
@@ -58,9 +53,9 @@ bool looks_the_same(const TriangleMesh& mesh, std::size_t a, std::size_t b) {
 
 }  // namespace
 
-JoinedPlaces join_places(TriangleMesh& mesh) {
-  JoinedPlaces report;
-  const std::vector<std::uint32_t> first = first_at_place(mesh.vertices);
+JoinedVertices join_equal_vertices(TriangleMesh& mesh) {
+  JoinedVertices report;
+  const std::vector<std::uint32_t> first = first_equal_positions(mesh.vertices);
   std::vector<std::uint32_t> number(mesh.vertices.size()), kept;
   std::vector<Vec3> normals(mesh.normals.size());
   for (std::uint32_t v = 0; v < number.size(); ++v) {

@@ -1,6 +1,5 @@
-// From where samples were seen: flight lines, height fields, scanners, rows and columns; and normals that get their
-// signs from it.
-#include "sansmesh/points/sights.h"
+// Directions to the sensor (flight lines, height fields, scanners, depth frames) and orientation of normals by them.
+#include "sansmesh/points/sensor_directions.h"
 
 #include <gtest/gtest.h>
 
@@ -35,8 +34,8 @@ Vec3 hill_normal(const Vec3& p) {
 }
 double hill_height(double x, double y) { return 10 * std::sin(0.03 * x) * std::cos(0.04 * y); }
 
-/// Hills as an aircraft sees them, 900 above them, in two lines of opposite directions; its mirror swings by 20° to
-/// both sides. `towards`: the true directions to it.
+/// Hills seen from an aircraft 900 above them, in two lines of opposite directions; its mirror swings by 20° to both
+/// sides. `towards`: the true directions to it.
 struct Survey {
   PointSet points;
   std::vector<Vec3f> towards;
@@ -93,20 +92,20 @@ TEST(FlightLines, LinesAreToldApartByNumberOrByPause) {
   by_line.attributes.set("scan_angle", s.angle);
   by_line.attributes.set("point_source_id", s.line);
   EXPECT_GT(least_cosine(directions_to_flight(by_line), s.towards), std::cos(3 * kDegree));
-  // Which side has positive angles does not matter.
+  // The sign convention of the angles does not matter.
   std::vector<float> negative = s.angle;
   for (float& a : negative) a = -a;
   turned.attributes.set("scan_angle", negative);
   turned.attributes.set("point_source_id", s.line);
   EXPECT_GT(least_cosine(directions_to_flight(turned), s.towards), std::cos(3 * kDegree));
-  // Of lines in opposite directions, mixed up, the angles say nothing.
+  // For mixed lines of opposite directions, angles are not informative.
   neither.attributes.set("scan_angle", s.angle);
   EXPECT_TRUE(directions_to_flight(neither).empty());
   EXPECT_TRUE(directions_to_flight(s.points).empty());
 }
 
 TEST(FlightLines, TheNearWallIsSeen) {
-  // A flight along x at y = -80: walls in the planes y = const look down to it, whatever roofs and ground do.
+  // A flight along x at y = -80: walls in the planes y = const face it, regardless of roofs and ground.
   Survey s = fly(30000, 0, 0);
   std::mt19937 random(3);
   std::uniform_real_distribution<float> u(0, 1);
@@ -143,13 +142,13 @@ PointSet hills(std::size_t n, float noise, unsigned seed) {
 }
 
 TEST(HeightField, TerrainIsOneSheet) {
-  // The spacing is 2.8: noise of a tenth, and of one.
+  // Noise of a tenth of the spacing (2.8), and of one spacing.
   for (const float noise : {0.28f, 2.8f}) {
     const HeightFieldShape shape = measure_height_field(hills(20000, noise, 5), static_cast<double>(noise));
     EXPECT_GT(shape.one_sheet, 0.9) << noise;
     EXPECT_TRUE(is_height_field(shape, false)) << noise;
   }
-  // Half of it under trees.
+  // Half of it is under trees.
   PointSet forest = hills(20000, 0.1f, 6);
   std::mt19937 random(7);
   std::uniform_real_distribution<float> u(0, 1);
@@ -170,11 +169,11 @@ TEST(HeightField, WhatHasAnUndersideIsNone) {
     for (const float noise : {0.0f, 0.2f}) {
       PointSet plate = sample_box(20000, {1, 1, 0.5f * thick * spacing}, 11);
       for (Vec3f& p : plate.positions) p += Vec3f{g(random), g(random), g(random)} * (noise * spacing);
-      // Both sheets together taken for noise, too.
+      // Also with both sheets interpreted as noise.
       for (const double said : {0.0, static_cast<double>(0.5f * thick * spacing)})
         EXPECT_FALSE(is_height_field(measure_height_field(plate, said), true)) << thick << " " << noise << " " << said;
     }
-  // A façade stands upright.
+  // A façade is upright.
   EXPECT_FALSE(is_height_field(measure_height_field(sample_box(20000, {1, 0.001f, 1}, 12), 0), true));
   EXPECT_EQ(measure_height_field({}, 0).one_sheet, 0);
 }
@@ -201,17 +200,17 @@ TEST(Orientation, TerrainWithStraysLooksUp) {
       return count;
     };
     Progress progress;
-    // Given ones stay as they are.
+    // Given normals stay unchanged.
     EXPECT_EQ(check_orientation(cloud), OrientationCheck::oriented);
     const PreparedCloud kept = prepare_cloud(cloud, {}, progress);
     EXPECT_EQ(kept.points.normals, cloud.normals);
     EXPECT_FALSE(kept.oriented_by);
     EXPECT_TRUE(kept.warnings.empty());
-    // So do those that all look down: an open sheet has no outside.
+    // Normals that all point down also stay: an open sheet has no outside.
     PointSet downward = cloud;
     for (Vec3f& n : downward.normals) n = -n;
     EXPECT_EQ(prepare_cloud(downward, {}, progress).points.normals, downward.normals);
-    // Others look up.
+    // Other normals point up.
     CloudPreparation anew;
     anew.normals = NormalUse::estimate;
     const PreparedCloud estimated = prepare_cloud(cloud, anew, progress);
@@ -222,7 +221,7 @@ TEST(Orientation, TerrainWithStraysLooksUp) {
   }
 }
 
-/// What two scanners in front of and behind a free-standing wall see of it: two sheets, `thick` apart, with windows.
+/// A free-standing wall seen by two scanners in front of and behind it: two sheets, `thick` apart, with windows.
 PointSet facade(float thick, float noise, std::vector<Vec3f>& truth) {
   std::mt19937 random(16);
   std::uniform_real_distribution<float> u(-10, 10);
@@ -258,8 +257,7 @@ TEST(Orientation, BothSidesOfAThinWallLookAtTheirScanners) {
 
 TEST(Orientation, SidesOfAThinPlateAreTwoSurfaces) {
   SANSMESH_NOT_SANITIZED("judges accuracy; others orient thin walls, too");
-  // Three spacings from side to side; away from the rim, where noise makes normals that look anywhere, no sign is
-  // wrong.
+  // The sides are three spacings apart; away from the rim, where noise randomises normals, no sign is wrong.
   const std::size_t n = 20000;
   const float spacing = std::sqrt(8.0f / static_cast<float>(n));
   for (const float noise : {0.0f, 0.1f, 0.2f, 0.3f}) {
@@ -290,7 +288,7 @@ TEST(Orientation, SidesOfAThinPlateAreTwoSurfaces) {
 }
 
 TEST(Orientation, AScannerThatCannotHaveSeenTheCloudIsNotBelieved) {
-  // All of a ball cannot be seen from anywhere.
+  // A complete ball is not visible from any single position.
   PointSet points = sample_sphere(6000, 1, 0, 21);
   const std::vector<Vec3f> truth = points.normals;
   points.scanners = {{5, 0, 0}};
@@ -302,14 +300,14 @@ TEST(Orientation, AScannerThatCannotHaveSeenTheCloudIsNotBelieved) {
   scramble_signs(points, 22);
   EXPECT_EQ(orient_normals(points, {}, progress), OrientBy::propagation);
   EXPECT_EQ(points.normals, truth);
-  // Asked for, it decides all the same.
+  // If requested, the scanner decides anyway.
   orient_normals(points, {.by = OrientBy::scanner}, progress);
-  const std::vector<Vec3f> sights = find_sights(points, OrientBy::scanner);
-  EXPECT_LT(share_looking_away(points, sights), 0.15);
+  const std::vector<Vec3f> directions = find_sensor_directions(points, OrientBy::scanner);
+  EXPECT_LT(share_facing_away(points, directions), 0.15);
 }
 
 TEST(Orientation, GivenNormalsThatLookAwayFromTheirScannerAreTurned) {
-  // A room, seen from within; and its normals, once as they were seen, once the other way round.
+  // A room seen from within, with inward and with outward normals.
   PointSet room = sample_box(12000, {3, 2, 1}, 23);
   room.scanners = {{0.4f, 0.2f, 0}};
   room.scan_of_point.assign(room.size(), 0);
@@ -325,7 +323,7 @@ TEST(Orientation, GivenNormalsThatLookAwayFromTheirScannerAreTurned) {
   EXPECT_EQ(kept.points.normals, seen.normals);
   EXPECT_FALSE(kept.oriented_by);
   EXPECT_TRUE(kept.warnings.empty());
-  // Without a scanner a closed shape has its normals outside.
+  // Without a scanner the normals of a closed shape point outward.
   seen.scanners.clear(), seen.scan_of_point.clear();
   EXPECT_EQ(prepare_cloud(seen, {}, progress).points.normals, outward);
 }
@@ -348,7 +346,7 @@ TEST(Orientation, WhatIsAskedForDecides) {
   use.orient_by = OrientBy::up;
   const PreparedCloud up = prepare_cloud(points, use, progress);
   EXPECT_EQ(up.oriented_by, OrientBy::up);
-  EXPECT_LT(share_looking_away(up.points, find_sights(up.points, OrientBy::up)), 0.15);
+  EXPECT_LT(share_facing_away(up.points, find_sensor_directions(up.points, OrientBy::up)), 0.15);
   for (const OrientBy by : {OrientBy::scanner, OrientBy::rows, OrientBy::flight}) {
     use.orient_by = by;
     EXPECT_THROW(prepare_cloud(points, use, progress), DataError);
@@ -371,13 +369,13 @@ TEST(Orientation, BySightsDoesNotDependOnTheNumberOfThreads) {
   });
 }
 
-// An extra where ../shared lies beside the checkout; the tests above cover the same ground.
+// Runs only if ../shared exists beside the checkout; the tests above cover the same code.
 TEST(ExtraOrientation, OfRealScansIsThatOfTheirSensors) {
-  SANSMESH_NOT_SANITIZED("judges accuracy on large scans; others orient by sights, too");
+  SANSMESH_NOT_SANITIZED("judges accuracy on large scans; others orient by sensor positions, too");
   struct Scan {
     const char* file;
     OrientBy by;
-    double away;  ///< of those that clearly look anywhere
+    double away;  ///< share of the normals that clearly face the sensor or away
   };
   for (const Scan& scan :
        {Scan{"kinect_capture0001.pcd", OrientBy::scanner, 0.001},
@@ -389,7 +387,7 @@ TEST(ExtraOrientation, OfRealScansIsThatOfTheirSensors) {
     Progress progress;
     estimate_normals(points, {}, progress);
     EXPECT_EQ(orient_normals(points, {}, progress), scan.by) << scan.file;
-    EXPECT_LT(share_looking_away(points, find_sights(points, scan.by)), scan.away) << scan.file;
+    EXPECT_LT(share_facing_away(points, find_sensor_directions(points, scan.by)), scan.away) << scan.file;
   }
 }
 

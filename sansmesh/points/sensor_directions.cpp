@@ -1,4 +1,4 @@
-#include "sansmesh/points/sights.h"
+#include "sansmesh/points/sensor_directions.h"
 
 #include <algorithm>
 
@@ -13,12 +13,12 @@ std::vector<Vec3f> directions_to_scanners(const PointSet& points) {
   if (points.scanners.empty() || points.scan_of_point.size() != points.size()) return {};
   const auto known = [&](std::uint16_t scan) { return scan < points.scanners.size(); };
   if (std::none_of(points.scan_of_point.begin(), points.scan_of_point.end(), known)) return {};
-  std::vector<Vec3f> sights(points.size());
+  std::vector<Vec3f> directions(points.size());
   parallel_for(0, points.size(), 1 << 14, [&](std::size_t i) {
     const std::uint16_t scan = points.scan_of_point[i];
-    if (known(scan)) sights[i] = normalized(points.scanners[scan] - points.positions[i]);
+    if (known(scan)) directions[i] = normalized(points.scanners[scan] - points.positions[i]);
   });
-  return sights;
+  return directions;
 }
 
 }  // namespace
@@ -26,7 +26,7 @@ std::vector<Vec3f> directions_to_scanners(const PointSet& points) {
 std::string_view orientation_words(OrientBy by) {
   switch (by) {
     case OrientBy::automatic:
-      return "by whatever is known";
+      return "by the best known source";
     case OrientBy::scanner:
       return "by scanner position";
     case OrientBy::rows:
@@ -41,7 +41,7 @@ std::string_view orientation_words(OrientBy by) {
   return "";
 }
 
-std::vector<Vec3f> find_sights(const PointSet& points, OrientBy by) {
+std::vector<Vec3f> find_sensor_directions(const PointSet& points, OrientBy by) {
   switch (by) {
     case OrientBy::scanner:
       return directions_to_scanners(points);
@@ -58,15 +58,15 @@ std::vector<Vec3f> find_sights(const PointSet& points, OrientBy by) {
   return {};
 }
 
-std::vector<Vec3f> find_own_sights(const PointSet& points, OrientBy by, double noise) {
+std::vector<Vec3f> find_own_sensor_directions(const PointSet& points, OrientBy by, double noise) {
   if (by == OrientBy::up && !is_height_field(measure_height_field(points, noise), is_survey_from_above(points)))
     return {};
-  return find_sights(points, by);
+  return find_sensor_directions(points, by);
 }
 
 OrientBy first_known_orientation(const PointSet& points, double noise) {
   for (const OrientBy by : kOrientationOrder)
-    if (!find_own_sights(points, by, noise).empty()) return by;
+    if (!find_own_sensor_directions(points, by, noise).empty()) return by;
   return OrientBy::propagation;
 }
 
