@@ -6,7 +6,7 @@
 #include "sansmesh/core/parallel_collect.h"
 #include "sansmesh/measure/section.h"
 #include "sansmesh/measure/section_curves.h"
-#include "sansmesh/mesh/repair/same_places.h"
+#include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -41,7 +41,7 @@ Section section_mesh(const TriangleMesh& mesh, const CutPlane& plane) {
   corners.reserve(3 * cut.size());
   for (const std::uint32_t i : cut)
     for (const std::uint32_t v : mesh.triangles[i]) corners.push_back(mesh.vertices[v] + Vec3f{});  // turns -0 into 0
-  const std::vector<std::uint32_t> first = first_at_place(corners);
+  const std::vector<std::uint32_t> first = first_equal_positions(corners);
   std::unordered_map<std::uint64_t, std::uint32_t> crossings;  // by the pair of corners
   for (std::size_t c = 0; c < cut.size(); ++c) {
     const Vec3f* const at = corners.data() + 3 * c;
