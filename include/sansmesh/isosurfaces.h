@@ -40,9 +40,9 @@ struct SANSMESH_API VolumeIsosurfaceOptions {
 
 /// What became of an isosurface.
 struct SANSMESH_API VolumeIsosurfaceReport {
-  VolumeReconstructionReport reconstruction;  ///< of the field
-  double value = 0;                           ///< on the surface
-  IsosurfaceReport mesh;                      ///< how it was cut out
+  ReconstructionReport reconstruction;  ///< of the field
+  double value = 0;                     ///< on the surface
+  IsosurfaceReport mesh;                ///< how it was cut out
 
   static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
@@ -85,11 +85,11 @@ struct SANSMESH_API IsosurfaceMoment {
 
 /// What became of a surface that changes.
 struct SANSMESH_API IsosurfaceMomentsReport {
-  VolumeReconstructionReport reconstruction;  ///< of the first step
-  double value = 0;                           ///< on the surface
-  std::size_t blocks = 0;                     ///< in space and time
-  double cell = 0, time_cell = 0;             ///< edge and duration of the smallest blocks
-  std::vector<IsosurfaceMoment> moments;      ///< in their order
+  ReconstructionReport reconstruction;    ///< of the first step
+  double value = 0;                       ///< on the surface
+  std::size_t blocks = 0;                 ///< in space and time
+  double cell = 0, time_cell = 0;         ///< edge and duration of the smallest blocks
+  std::vector<IsosurfaceMoment> moments;  ///< in their order
 
   static const ReportSchema& schema();  ///< a row for each thing that it tells
 };

@@ -106,7 +106,7 @@ class SANSMESH_API VolumeModel {
   /// and none was chosen.
   std::shared_ptr<const Isosurface> isosurface(double value, Progress& progress, std::vector<Note>& notes) const;
   /// Of the first field that was made: by which method, and why if the library chose it.
-  const VolumeReconstructionReport& report() const;
+  const ReconstructionReport& report() const;
 
   /// Value of sample i of the array as chosen (its magnitude, where a vector is asked for as a whole). Samples must
   /// have been asked for.
@@ -174,8 +174,8 @@ SANSMESH_API VolumeSeries open_volume_series(const std::vector<std::string>& fil
 
 /// How values at points were found.
 struct SANSMESH_API ProbeReport {
-  VolumeReconstructionReport reconstruction;  ///< of the field
-  std::size_t inside = 0;                     ///< points in the volume
+  ReconstructionReport reconstruction;  ///< of the field
+  std::size_t inside = 0;               ///< points in the volume
 
   static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
@@ -218,9 +218,9 @@ SANSMESH_API std::string probe_table(const ProbeResult& probed);
 
 /// How a grid was filled.
 struct SANSMESH_API ResampleReport {
-  VolumeReconstructionReport reconstruction;  ///< of the field
-  std::array<std::size_t, 3> size{};          ///< values along the axes
-  double inside = 0;                          ///< share of the values that lie in the volume
+  ReconstructionReport reconstruction;  ///< of the field
+  std::array<std::size_t, 3> size{};    ///< values along the axes
+  double inside = 0;                    ///< share of the values that lie in the volume
 
   static const ReportSchema& schema();  ///< a row for each thing that it tells
 };
@@ -251,10 +251,10 @@ struct SANSMESH_API FitVolumeOptions {
 
 /// A fit in numbers.
 struct SANSMESH_API FitVolumeReport {
-  VolumeReconstructionReport reconstruction;  ///< of the field
-  std::size_t samples = 0;                    ///< of the volume
-  std::vector<std::string> arrays;            ///< that are kept
-  std::vector<std::size_t> by_degree;  ///< polynomials of degree 0, 1, …; empty for methods without coefficients
+  ReconstructionReport reconstruction;  ///< of the field
+  std::size_t samples = 0;              ///< of the volume
+  std::vector<std::string> arrays;      ///< that are kept
+  std::vector<std::size_t> by_degree;   ///< polynomials of degree 0, 1, …; empty for methods without coefficients
 
   static const ReportSchema& schema();  ///< a row for each thing that it tells
 };

@@ -36,7 +36,7 @@ TEST(VolumeModel, ChoosesTheMethodThatSuitsTheDataAndSaysWhy) {
   EXPECT_NE(rough.report().why.find("noisy"), std::string::npos);
   // The same wherever nobody names a method: in the dataset, in the reconstruction itself.
   VolumeDataset dataset(lattice_grid({16, 16, 16}, noise));
-  VolumeReconstructionReport of_dataset, alone;
+  ReconstructionReport of_dataset, alone;
   dataset.field({"f", {}, false}, {}, progress, &of_dataset);
   reconstruct_volume(rough.samples(progress), "f", {}, progress, &alone);
   EXPECT_EQ(of_dataset.options.method, "cubic");
