@@ -91,7 +91,7 @@ struct SANSMESH_API SimulationPlan {
 };
 
 /// What the options and the scene say together, and for what neither says: materials of the cells (arrays `density`,
-/// `young` and `poisson`), a unit and a material that suit the body (suited_options), and a floor below it where
+/// `young` and `poisson`), a unit and a material that suit the body (recommended_options), and a floor below it where
 /// nothing else keeps it from falling for ever. Throws ArgumentError, SceneError, and DataError for bodies and
 /// materials that cannot be simulated.
 SANSMESH_API SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOptions& options);

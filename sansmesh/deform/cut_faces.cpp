@@ -22,10 +22,10 @@ using OnPlane = PlanarOccluder::Point;
 /// A vertex of a curve that bounds faces, on both sides.
 struct FaceCorner {
   std::uint32_t above = kNoVertex, below = kNoVertex;
-  OnPlane place;
+  OnPlane point;
 };
 /// A point on the border of the cut.
-struct BorderPlace {
+struct BorderPoint {
   std::size_t border = 0;
   double at = 0;  ///< edge index plus fraction of the edge; on a line the length
 };
@@ -104,8 +104,8 @@ class FaceMaker {
     return true;
   }
 
-  BorderPlace on_border(const OnPlane& p) const {
-    BorderPlace best;
+  BorderPoint on_border(const OnPlane& p) const {
+    BorderPoint best;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t b = 0; b < cut_.borders().size(); ++b)
       for (std::size_t i = 0; i < cut_.borders()[b].size(); ++i) {
@@ -120,7 +120,7 @@ class FaceMaker {
     return best;
   }
 
-  OnPlane at_border(const BorderPlace& p) const {
+  OnPlane at_border(const BorderPoint& p) const {
     const auto& border = cut_.borders()[p.border];
     const bool line = std::isinf(border[0].length);
     const auto i = line ? std::size_t{0} : static_cast<std::size_t>(p.at) % border.size();
@@ -138,7 +138,7 @@ class FaceMaker {
   }
 
   /// Adds vertices along the border between two points of it.
-  void along_border(Chain& chain, const BorderPlace& from, double to, std::uint32_t like) {
+  void along_border(Chain& chain, const BorderPoint& from, double to, std::uint32_t like) {
     const auto& border = cut_.borders()[from.border];
     const bool line = std::isinf(border[0].length);
     std::vector<double> corners = {from.at};
@@ -162,11 +162,11 @@ class FaceMaker {
       std::size_t chain;
     };
     std::map<std::size_t, std::vector<Begin>> begins;
-    std::vector<BorderPlace> ends;
+    std::vector<BorderPoint> ends;
     for (std::size_t c = 0; c < open_.size(); ++c) {
-      const BorderPlace begin = on_border(open_[c].front().place);
+      const BorderPoint begin = on_border(open_[c].front().point);
       begins[begin.border].push_back({begin.at, c});
-      ends.push_back(on_border(open_[c].back().place));
+      ends.push_back(on_border(open_[c].back().point));
       touched_.push_back(begin.border), touched_.push_back(ends.back().border);
     }
     std::vector<std::uint8_t> used(open_.size());
@@ -178,7 +178,7 @@ class FaceMaker {
         if (used[at]) return false;
         used[at] = 1;
         loop.insert(loop.end(), open_[at].begin(), open_[at].end());
-        const BorderPlace& end = ends[at];
+        const BorderPoint& end = ends[at];
         const auto found = begins.find(end.border);
         if (found == begins.end()) return false;
         const auto& border = cut_.borders()[end.border];
@@ -216,7 +216,7 @@ class FaceMaker {
       const OnPlane p = at_border({b, 0});
       for (const Chain& loop : known)
         for (std::size_t i = 0; i < loop.size(); ++i) {
-          const OnPlane &u = loop[i].place, &v = loop[(i + 1) % loop.size()].place;
+          const OnPlane &u = loop[i].point, &v = loop[(i + 1) % loop.size()].point;
           if ((u.b > p.b) == (v.b > p.b)) continue;
           if (u.a + (v.a - u.a) * (p.b - u.b) / (v.b - u.b) > p.a) within = !within;
         }
@@ -235,7 +235,7 @@ class FaceMaker {
     for (const Chain& loop : loops_) {
       curves.emplace_back();
       for (const FaceCorner& c : loop) {
-        curves.back().push_back({c.place.a, c.place.b});
+        curves.back().push_back({c.point.a, c.point.b});
         corners.push_back(c);
       }
     }
@@ -254,7 +254,7 @@ class FaceMaker {
       std::size_t nearest = 0;
       double least = std::numeric_limits<double>::infinity();
       for (std::size_t k = 0; k < known; ++k) {
-        const double d = std::hypot(corners[k].place.a - p.a, corners[k].place.b - p.b);
+        const double d = std::hypot(corners[k].point.a - p.a, corners[k].point.b - p.b);
         if (d < least) least = d, nearest = k;
       }
       FaceCorner c{append_vertex_copy(mesh_, corners[nearest].above), append_vertex_copy(mesh_, corners[nearest].below),

@@ -90,52 +90,52 @@ HeldPlaces held_places(const std::vector<DeformHandle>& handles, int degree) {
   return held;
 }
 
-double extent_of(const std::vector<Vec3>& places) {
+double extent_of(const std::vector<Vec3>& positions) {
   Box3 box;
-  for (const Vec3& x : places) box.extend(x);
+  for (const Vec3& x : positions) box.extend(x);
   return box.diagonal();
 }
 
 /// The direction of the line through all points; zero if they coincide.
-std::optional<Vec3> line_of(const std::vector<Vec3>& places) {
+std::optional<Vec3> line_of(const std::vector<Vec3>& positions) {
   const auto farther = [&](const Vec3& a, const Vec3& b) {
-    return squared_norm(a - places[0]) < squared_norm(b - places[0]);
+    return squared_norm(a - positions[0]) < squared_norm(b - positions[0]);
   };
-  const Vec3 direction = normalized(*std::max_element(places.begin(), places.end(), farther) - places[0]);
-  const double tolerance = kOnLine * extent_of(places);
-  for (const Vec3& x : places)
-    if (norm(cross(x - places[0], direction)) > tolerance) return std::nullopt;
+  const Vec3 direction = normalized(*std::max_element(positions.begin(), positions.end(), farther) - positions[0]);
+  const double tolerance = kOnLine * extent_of(positions);
+  for (const Vec3& x : positions)
+    if (norm(cross(x - positions[0], direction)) > tolerance) return std::nullopt;
   return direction;
 }
 
-bool in_a_plane(const std::vector<Vec3>& places) {
-  const std::optional<Vec3> line = line_of(places);
+bool in_a_plane(const std::vector<Vec3>& positions) {
+  const std::optional<Vec3> line = line_of(positions);
   if (line) return true;
   // The normal of the widest triangle with the longest side from the first point.
-  Vec3 far = places[0], normal;
-  for (const Vec3& x : places)
-    if (squared_norm(x - places[0]) > squared_norm(far - places[0])) far = x;
-  for (const Vec3& x : places) {
-    const Vec3 n = cross(far - places[0], x - places[0]);
+  Vec3 far = positions[0], normal;
+  for (const Vec3& x : positions)
+    if (squared_norm(x - positions[0]) > squared_norm(far - positions[0])) far = x;
+  for (const Vec3& x : positions) {
+    const Vec3 n = cross(far - positions[0], x - positions[0]);
     if (squared_norm(n) > squared_norm(normal)) normal = n;
   }
   normal = normalized(normal);
-  const double tolerance = kInPlane * extent_of(places);
-  return std::all_of(places.begin(), places.end(),
-                     [&](const Vec3& x) { return std::abs(dot(x - places[0], normal)) <= tolerance; });
+  const double tolerance = kInPlane * extent_of(positions);
+  return std::all_of(positions.begin(), positions.end(),
+                     [&](const Vec3& x) { return std::abs(dot(x - positions[0], normal)) <= tolerance; });
 }
 
 /// Whether 0 is the only polynomial of the space that is constant on all points.
-bool determined(const std::vector<Vec3>& places, const PolynomialTerms& terms) {
-  const std::size_t n = places.size();
+bool determined(const std::vector<Vec3>& positions, const PolynomialTerms& terms) {
+  const std::size_t n = positions.size();
   if (n <= terms.count) return false;
   Vec3 center;
-  for (const Vec3& x : places) center += x / static_cast<double>(n);
-  const double extent = extent_of(places);
+  for (const Vec3& x : positions) center += x / static_cast<double>(n);
+  const double extent = extent_of(positions);
   std::vector<std::vector<double>> columns(terms.count, std::vector<double>(n));
   std::array<double, kMostMonomials> values{};
   for (std::size_t i = 0; i < n; ++i) {
-    evaluate_terms(terms, (places[i] - center) / extent, values.data(), nullptr);
+    evaluate_terms(terms, (positions[i] - center) / extent, values.data(), nullptr);
     for (std::size_t j = 0; j < terms.count; ++j) columns[j][i] = values[j];
   }
   for (std::size_t j = 0; j < terms.count; ++j) {

@@ -127,9 +127,9 @@ std::vector<Handle> handles_at(std::span<const Handle> handles, double share) {
   for (std::size_t i = 0; i < now.size(); ++i) {
     Handle& h = now[i];
     const Screw& screw = screws[i];
-    const auto place = [&](const Vec3& p, const Vec3& q) { return screw(p, share) + (q - screw(p, 1)) * share; };
-    h.q = place(h.p, h.q);
-    if (h.p_end) h.q_end = place(*h.p_end, *h.q_end);
+    const auto target = [&](const Vec3& p, const Vec3& q) { return screw(p, share) + (q - screw(p, 1)) * share; };
+    h.q = target(h.p, h.q);
+    if (h.p_end) h.q_end = target(*h.p_end, *h.q_end);
     // Remaining rotation of the directions after that of the group.
     if (h.directions.empty()) continue;
     detail::Rows3 rest{};

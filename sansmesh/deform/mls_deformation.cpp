@@ -52,7 +52,7 @@ void MlsDeformation::State::map(std::span<const Vec3> x, const MapAnswers& wante
   if (points && !positions.empty()) {
     std::vector<double> extras(ways.size());
     for (std::size_t i = 0; i < ways.size(); ++i) extras[i] = ways[i].extra;
-    detail::map_places(*points, x, extras, positions);
+    detail::map_positions(*points, x, extras, positions);
   }
   if (!jacobians.empty() || !points) map_one_by_one(x, ways, points ? std::span<Vec3>{} : positions, jacobians);
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
@@ -68,7 +68,7 @@ void MlsDeformation::State::map_one_by_one(std::span<const Vec3> x, std::span<co
   detail::NodesFrom nodes;
   std::vector<double> columns;
   for (std::size_t i = 0; i < x.size(); ++i) {
-    detail::FittedPlace fit;
+    detail::FittedPosition fit;
     if (is_finite(x[i])) {
       for (std::size_t h = 0; h < own.size(); ++h) own[h] = ways[h * x.size() + i];
       detail::gather_nodes(setup, cuts, own, x[i], nodes);

@@ -39,8 +39,8 @@ NodeMeans means_of(const NodesFrom& from) {
 
 /// Polynomials orthonormal in the weighted inner product of the nodes, and orthogonal to constants. Columns hold the
 /// values at the nodes, then at x, then the slopes at x.
-FittedPlace fit_polynomials(const DeformSetup& setup, const NodesFrom& from, const NodeMeans& m, const Vec3& x,
-                            bool jacobian, std::vector<double>& columns) {
+FittedPosition fit_polynomials(const DeformSetup& setup, const NodesFrom& from, const NodeMeans& m, const Vec3& x,
+                               bool jacobian, std::vector<double>& columns) {
   const std::size_t n = from.nodes.size(), terms = setup.terms.count, stride = n + 4;
   const double unit = 1 / setup.extent;
   columns.assign(stride * terms, 0);
@@ -56,7 +56,7 @@ FittedPlace fit_polynomials(const DeformSetup& setup, const NodesFrom& from, con
     for (std::size_t k = 0; k < 3; ++k) columns[j * stride + n + 1 + k] = slopes[j][k] * unit;
   }
 
-  FittedPlace fit;
+  FittedPosition fit;
   Vec3 value;
   std::vector<Vec3> rest(n);
   for (std::size_t i = 0; i < n; ++i) rest[i] = m.hat_p(from.nodes[i]);
@@ -145,8 +145,8 @@ NodeTurn turn_of(const DeformSetup& setup, const NodesFrom& from, const NodeMean
   return t;
 }
 
-FittedPlace fit_turn(const DeformSetup& setup, const NodesFrom& from, const NodeMeans& m, const Vec3& x,
-                     bool jacobian) {
+FittedPosition fit_turn(const DeformSetup& setup, const NodesFrom& from, const NodeMeans& m, const Vec3& x,
+                        bool jacobian) {
   const NodeTurn turn = turn_of(setup, from, m);
   const Vec3 y = x - m.origin_q - m.q;
   const bool scaled = setup.options.kind == DeformationKind::similarity;
@@ -158,7 +158,7 @@ FittedPlace fit_turn(const DeformSetup& setup, const NodesFrom& from, const Node
     }
   }
   const double scale = spread > 0 ? aligned / spread : 1;
-  FittedPlace fit;
+  FittedPosition fit;
   const Vec3 turned = turn.turned(y);
   fit.position = m.origin_p + (m.p + turned * scale);
   if (!jacobian) return fit;
@@ -192,8 +192,8 @@ FittedPlace fit_turn(const DeformSetup& setup, const NodesFrom& from, const Node
 
 }  // namespace
 
-FittedPlace fit_nodes(const DeformSetup& setup, const NodesFrom& from, const Vec3& x, bool jacobian,
-                      std::vector<double>& scratch) {
+FittedPosition fit_nodes(const DeformSetup& setup, const NodesFrom& from, const Vec3& x, bool jacobian,
+                         std::vector<double>& scratch) {
   const NodeMeans means = means_of(from);
   if (setup.terms.count > 0) return fit_polynomials(setup, from, means, x, jacobian, scratch);
   return fit_turn(setup, from, means, x, jacobian);

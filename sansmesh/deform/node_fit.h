@@ -9,14 +9,14 @@
 
 namespace sansmesh::inline v1::detail {
 
-struct FittedPlace {
+struct FittedPosition {
   Vec3 position;
   Jacobian jacobian{};
 };
 
 /// The source of x under the map of the setup's kind and, if `jacobian`, the derivatives with respect to x, weights
 /// included. `scratch` is reused.
-FittedPlace fit_nodes(const DeformSetup& setup, const NodesFrom& from, const Vec3& x, bool jacobian,
-                      std::vector<double>& scratch);
+FittedPosition fit_nodes(const DeformSetup& setup, const NodesFrom& from, const Vec3& x, bool jacobian,
+                         std::vector<double>& scratch);
 
 }  // namespace sansmesh::inline v1::detail

@@ -19,8 +19,8 @@ namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-using PlaceTag = hn::CappedTag<double, 8>;
-using PlaceV = hn::Vec<PlaceTag>;
+using DoubleTag = hn::CappedTag<double, 8>;
+using DoubleV = hn::Vec<DoubleTag>;
 
 constexpr std::size_t kWidest = 8;
 
@@ -31,31 +31,35 @@ struct SeenHandles {
   double* weights;       ///< handle h: [lanes h]; before weighting, squared distances
   const double* extras;  ///< handle h at the first of the points: [stride h]; or null
   std::size_t stride;
-  PlaceV x[3], nearest_q[3], nearest_p[3], least, total, mean_q[3], mean_p[3];
+  DoubleV x[3], nearest_q[3], nearest_p[3], least, total, mean_q[3], mean_p[3];
 
   SeenHandles(const PointMap& m, double* w, const double* e, std::size_t s)
       : map(m), weights(w), extras(e), stride(s) {}
   std::size_t count() const { return map.weight.size(); }
-  PlaceV kept(std::size_t h) const { return hn::Load(PlaceTag(), weights + h * hn::Lanes(PlaceTag())); }
-  PlaceV near_q(std::size_t h, std::size_t k) const { return hn::Sub(hn::Set(PlaceTag(), map.q[k][h]), nearest_q[k]); }
-  PlaceV near_p(std::size_t h, std::size_t k) const { return hn::Sub(hn::Set(PlaceTag(), map.p[k][h]), nearest_p[k]); }
-  PlaceV hat_q(std::size_t h, std::size_t k) const { return hn::Sub(near_q(h, k), mean_q[k]); }
-  PlaceV hat_p(std::size_t h, std::size_t k) const { return hn::Sub(near_p(h, k), mean_p[k]); }
-  PlaceV hat_x(std::size_t k) const { return hn::Sub(hn::Sub(x[k], nearest_q[k]), mean_q[k]); }
+  DoubleV kept(std::size_t h) const { return hn::Load(DoubleTag(), weights + h * hn::Lanes(DoubleTag())); }
+  DoubleV near_q(std::size_t h, std::size_t k) const {
+    return hn::Sub(hn::Set(DoubleTag(), map.q[k][h]), nearest_q[k]);
+  }
+  DoubleV near_p(std::size_t h, std::size_t k) const {
+    return hn::Sub(hn::Set(DoubleTag(), map.p[k][h]), nearest_p[k]);
+  }
+  DoubleV hat_q(std::size_t h, std::size_t k) const { return hn::Sub(near_q(h, k), mean_q[k]); }
+  DoubleV hat_p(std::size_t h, std::size_t k) const { return hn::Sub(near_p(h, k), mean_p[k]); }
+  DoubleV hat_x(std::size_t k) const { return hn::Sub(hn::Sub(x[k], nearest_q[k]), mean_q[k]); }
 };
 
 /// The nearest handles, and the squared distances from all handles.
 HWY_INLINE void FindNearest(SeenHandles& seen) {
-  const PlaceTag d;
+  const DoubleTag d;
   const std::size_t lanes = hn::Lanes(d);
   seen.least = hn::Set(d, std::numeric_limits<double>::max());
   for (std::size_t k = 0; k < 3; ++k) {
     seen.nearest_q[k] = hn::Set(d, seen.map.q[k][0]), seen.nearest_p[k] = hn::Set(d, seen.map.p[k][0]);
   }
   for (std::size_t h = 0; h < seen.count(); ++h) {
-    const PlaceV q[3] = {hn::Set(d, seen.map.q[0][h]), hn::Set(d, seen.map.q[1][h]), hn::Set(d, seen.map.q[2][h])};
-    const PlaceV to[3] = {hn::Sub(seen.x[0], q[0]), hn::Sub(seen.x[1], q[1]), hn::Sub(seen.x[2], q[2])};
-    const PlaceV square = Sum3(hn::Mul(to[0], to[0]), hn::Mul(to[1], to[1]), hn::Mul(to[2], to[2]));
+    const DoubleV q[3] = {hn::Set(d, seen.map.q[0][h]), hn::Set(d, seen.map.q[1][h]), hn::Set(d, seen.map.q[2][h])};
+    const DoubleV to[3] = {hn::Sub(seen.x[0], q[0]), hn::Sub(seen.x[1], q[1]), hn::Sub(seen.x[2], q[2])};
+    const DoubleV square = Sum3(hn::Mul(to[0], to[0]), hn::Mul(to[1], to[1]), hn::Mul(to[2], to[2]));
     hn::Store(square, d, seen.weights + h * lanes);
     const auto nearer = hn::Lt(square, seen.least);
     seen.least = hn::Min(square, seen.least);
@@ -67,18 +71,18 @@ HWY_INLINE void FindNearest(SeenHandles& seen) {
 }
 
 /// The weight of a handle, from its distance relative to the nearest.
-HWY_INLINE PlaceV WeightOf(const SeenHandles& seen, std::size_t h, const PlaceV& unit, const PlaceV& floor) {
-  const PlaceTag d;
-  const PlaceV square = hn::Max(seen.kept(h), floor);
-  const PlaceV w = hn::Mul(hn::Set(d, seen.map.weight[h]), WeightPower(hn::Div(unit, square), seen.map.alpha));
+HWY_INLINE DoubleV WeightOf(const SeenHandles& seen, std::size_t h, const DoubleV& unit, const DoubleV& floor) {
+  const DoubleTag d;
+  const DoubleV square = hn::Max(seen.kept(h), floor);
+  const DoubleV w = hn::Mul(hn::Set(d, seen.map.weight[h]), WeightPower(hn::Div(unit, square), seen.map.alpha));
   if (!seen.extras) return w;
-  const PlaceV extra = hn::Mul(hn::Set(d, seen.map.damping), hn::LoadU(d, seen.extras + h * seen.stride));
-  const PlaceV distance = hn::Sqrt(square);
+  const DoubleV extra = hn::Mul(hn::Set(d, seen.map.damping), hn::LoadU(d, seen.extras + h * seen.stride));
+  const DoubleV distance = hn::Sqrt(square);
   return hn::Mul(w, hn::Div(distance, hn::Add(distance, extra)));
 }
 
 HWY_INLINE void ClearMeans(SeenHandles& seen) {
-  seen.total = hn::Zero(PlaceTag());
+  seen.total = hn::Zero(DoubleTag());
   for (std::size_t k = 0; k < 3; ++k) seen.mean_q[k] = seen.mean_p[k] = seen.total;
 }
 
@@ -86,26 +90,26 @@ HWY_INLINE void ClearMeans(SeenHandles& seen) {
 struct Moments {
   // Not implicit: an implicit constructor is compiled for no particular instruction set, which ARM rejects.
   HWY_ATTR Moments() {}
-  PlaceV pq[3][3], qq[6];
+  DoubleV pq[3][3], qq[6];
 };
 
 /// `kSquares`: 0 none, 1 their sum in qq[0], 6 all.
 template <int kSquares>
 HWY_INLINE Moments SumMoments(SeenHandles& seen) {
-  const PlaceTag d;
-  const PlaceV floor = hn::Set(d, seen.map.floor_square), unit = hn::Max(seen.least, floor), zero = hn::Zero(d);
+  const DoubleTag d;
+  const DoubleV floor = hn::Set(d, seen.map.floor_square), unit = hn::Max(seen.least, floor), zero = hn::Zero(d);
   ClearMeans(seen);
   Moments m;
   for (auto& row : m.pq)
-    for (PlaceV& e : row) e = zero;
-  for (PlaceV& e : m.qq) e = zero;
+    for (DoubleV& e : row) e = zero;
+  for (DoubleV& e : m.qq) e = zero;
   for (std::size_t h = 0; h < seen.count(); ++h) {
-    const PlaceV w = WeightOf(seen, h, unit, floor);
-    const PlaceV q[3] = {seen.near_q(h, 0), seen.near_q(h, 1), seen.near_q(h, 2)};
-    const PlaceV wq[3] = {hn::Mul(w, q[0]), hn::Mul(w, q[1]), hn::Mul(w, q[2])};
+    const DoubleV w = WeightOf(seen, h, unit, floor);
+    const DoubleV q[3] = {seen.near_q(h, 0), seen.near_q(h, 1), seen.near_q(h, 2)};
+    const DoubleV wq[3] = {hn::Mul(w, q[0]), hn::Mul(w, q[1]), hn::Mul(w, q[2])};
     seen.total = hn::Add(seen.total, w);
     for (std::size_t i = 0; i < 3; ++i) {
-      const PlaceV p = seen.near_p(h, i);
+      const DoubleV p = seen.near_p(h, i);
       seen.mean_q[i] = hn::Add(seen.mean_q[i], wq[i]);
       seen.mean_p[i] = hn::Add(seen.mean_p[i], hn::Mul(w, p));
       for (std::size_t j = 0; j < 3; ++j) m.pq[i][j] = hn::Add(m.pq[i][j], hn::Mul(p, wq[j]));
@@ -117,8 +121,8 @@ HWY_INLINE Moments SumMoments(SeenHandles& seen) {
         for (std::size_t j = i; j < 3; ++j, ++e) m.qq[e] = hn::Add(m.qq[e], hn::Mul(q[i], wq[j]));
     }
   }
-  const PlaceV share = hn::Div(hn::Set(d, 1.0), seen.total);
-  const PlaceV sum_q[3] = {seen.mean_q[0], seen.mean_q[1], seen.mean_q[2]};
+  const DoubleV share = hn::Div(hn::Set(d, 1.0), seen.total);
+  const DoubleV sum_q[3] = {seen.mean_q[0], seen.mean_q[1], seen.mean_q[2]};
   for (std::size_t i = 0; i < 3; ++i)
     seen.mean_q[i] = hn::Mul(seen.mean_q[i], share), seen.mean_p[i] = hn::Mul(seen.mean_p[i], share);
   for (std::size_t i = 0, e = 0; i < 3; ++i) {
@@ -133,11 +137,11 @@ HWY_INLINE Moments SumMoments(SeenHandles& seen) {
 
 /// Replaces squared distances by weights, and computes the means.
 HWY_INLINE void WeighHandles(SeenHandles& seen) {
-  const PlaceTag d;
-  const PlaceV floor = hn::Set(d, seen.map.floor_square), unit = hn::Max(seen.least, floor);
+  const DoubleTag d;
+  const DoubleV floor = hn::Set(d, seen.map.floor_square), unit = hn::Max(seen.least, floor);
   ClearMeans(seen);
   for (std::size_t h = 0; h < seen.count(); ++h) {
-    const PlaceV w = WeightOf(seen, h, unit, floor);
+    const DoubleV w = WeightOf(seen, h, unit, floor);
     hn::Store(w, d, seen.weights + h * hn::Lanes(d));
     seen.total = hn::Add(seen.total, w);
     for (std::size_t k = 0; k < 3; ++k) {
@@ -145,42 +149,42 @@ HWY_INLINE void WeighHandles(SeenHandles& seen) {
       seen.mean_p[k] = hn::Add(seen.mean_p[k], hn::Mul(w, seen.near_p(h, k)));
     }
   }
-  const PlaceV share = hn::Div(hn::Set(d, 1.0), seen.total);
+  const DoubleV share = hn::Div(hn::Set(d, 1.0), seen.total);
   for (std::size_t k = 0; k < 3; ++k)
     seen.mean_q[k] = hn::Mul(seen.mean_q[k], share), seen.mean_p[k] = hn::Mul(seen.mean_p[k], share);
 }
 
-HWY_INLINE void Apply(const PlaceV (&a)[3][3], const PlaceV (&v)[3], PlaceV (&moved)[3]) {
+HWY_INLINE void Apply(const DoubleV (&a)[3][3], const DoubleV (&v)[3], DoubleV (&moved)[3]) {
   for (std::size_t i = 0; i < 3; ++i)
     moved[i] = Sum3(hn::Mul(a[i][0], v[0]), hn::Mul(a[i][1], v[1]), hn::Mul(a[i][2], v[2]));
 }
 
 /// The fitted rotation, applied to x minus the mean.
-HWY_INLINE void FitRotation(SeenHandles& seen, PlaceV (&moved)[3]) {
+HWY_INLINE void FitRotation(SeenHandles& seen, DoubleV (&moved)[3]) {
   const Moments m = SumMoments<0>(seen);
-  PlaceV r[3][3];
+  DoubleV r[3][3];
   BestRotation(m.pq, r);
   Apply(r, {seen.hat_x(0), seen.hat_x(1), seen.hat_x(2)}, moved);
 }
 
 /// The fitted rotation and scale.
-HWY_INLINE void FitSimilarity(SeenHandles& seen, PlaceV (&moved)[3]) {
-  const PlaceTag d;
+HWY_INLINE void FitSimilarity(SeenHandles& seen, DoubleV (&moved)[3]) {
+  const DoubleTag d;
   const Moments m = SumMoments<1>(seen);
-  PlaceV r[3][3], aligned = hn::Zero(d);
+  DoubleV r[3][3], aligned = hn::Zero(d);
   BestRotation(m.pq, r);
   Apply(r, {seen.hat_x(0), seen.hat_x(1), seen.hat_x(2)}, moved);
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t j = 0; j < 3; ++j) aligned = hn::Add(aligned, hn::Mul(r[i][j], m.pq[i][j]));
   const auto some = hn::Gt(m.qq[0], hn::Zero(d));
-  const PlaceV one = hn::Set(d, 1.0);
-  const PlaceV scale = hn::IfThenElse(some, hn::Div(aligned, hn::IfThenElse(some, m.qq[0], one)), one);
-  for (PlaceV& v : moved) v = hn::Mul(v, scale);
+  const DoubleV one = hn::Set(d, 1.0);
+  const DoubleV scale = hn::IfThenElse(some, hn::Div(aligned, hn::IfThenElse(some, m.qq[0], one)), one);
+  for (DoubleV& v : moved) v = hn::Mul(v, scale);
 }
 
-HWY_INLINE void EvaluateTerms(const PolynomialTerms& terms, const PlaceV (&v)[3], PlaceV* values) {
-  const PlaceTag d;
-  PlaceV m[kMostMonomials] = {v[0], v[1], v[2]};
+HWY_INLINE void EvaluateTerms(const PolynomialTerms& terms, const DoubleV (&v)[3], DoubleV* values) {
+  const DoubleTag d;
+  DoubleV m[kMostMonomials] = {v[0], v[1], v[2]};
   for (std::size_t j = 3; j < terms.monomials; ++j)
     m[j] = hn::Mul(m[kMonomialSteps[j - 3].variable], m[kMonomialSteps[j - 3].monomial]);
   for (std::size_t j = 0; j < terms.count; ++j) {
@@ -197,13 +201,13 @@ HWY_INLINE void EvaluateTerms(const PolynomialTerms& terms, const PlaceV (&v)[3]
 struct Columns {
   std::size_t handles, lanes;
   double *values, *roots;  ///< column j at handle h: [(handles j + h) lanes]; √w: [h lanes]
-  PlaceV here[kMostMonomials];
+  DoubleV here[kMostMonomials];
 
   double* at(std::size_t j, std::size_t h) const { return values + (j * handles + h) * lanes; }
-  PlaceV value(std::size_t j, std::size_t h) const { return hn::Load(PlaceTag(), at(j, h)); }
-  PlaceV root(std::size_t h) const { return hn::Load(PlaceTag(), roots + h * lanes); }
-  PlaceV square(std::size_t j) const {
-    PlaceV sum = hn::Zero(PlaceTag());
+  DoubleV value(std::size_t j, std::size_t h) const { return hn::Load(DoubleTag(), at(j, h)); }
+  DoubleV root(std::size_t h) const { return hn::Load(DoubleTag(), roots + h * lanes); }
+  DoubleV square(std::size_t j) const {
+    DoubleV sum = hn::Zero(DoubleTag());
     for (std::size_t h = 0; h < handles; ++h) sum = hn::Add(sum, hn::Mul(value(j, h), value(j, h)));
     return sum;
   }
@@ -212,10 +216,10 @@ struct Columns {
 /// Orthogonalises column j against the constant (coordinates already are, relative to their means) and all earlier
 /// columns, at points of the mask.
 template <class Mask>
-HWY_INLINE void TakeOut(Columns& c, std::size_t j, const PlaceV& over_total, const Mask& mask) {
-  const PlaceTag d;
+HWY_INLINE void TakeOut(Columns& c, std::size_t j, const DoubleV& over_total, const Mask& mask) {
+  const DoubleTag d;
   if (j >= 3) {
-    PlaceV mean = hn::Zero(d);
+    DoubleV mean = hn::Zero(d);
     for (std::size_t h = 0; h < c.handles; ++h) mean = hn::Add(mean, hn::Mul(c.root(h), c.value(j, h)));
     mean = hn::IfThenElseZero(mask, hn::Mul(mean, over_total));
     c.here[j] = hn::Sub(c.here[j], mean);
@@ -223,7 +227,7 @@ HWY_INLINE void TakeOut(Columns& c, std::size_t j, const PlaceV& over_total, con
       hn::Store(hn::Sub(c.value(j, h), hn::Mul(mean, c.root(h))), d, c.at(j, h));
   }
   for (std::size_t l = 0; l < j; ++l) {
-    PlaceV share = hn::Zero(d);
+    DoubleV share = hn::Zero(d);
     for (std::size_t h = 0; h < c.handles; ++h) share = hn::Add(share, hn::Mul(c.value(l, h), c.value(j, h)));
     share = hn::IfThenElseZero(mask, share);
     c.here[j] = hn::Sub(c.here[j], hn::Mul(share, c.here[l]));
@@ -234,39 +238,39 @@ HWY_INLINE void TakeOut(Columns& c, std::size_t j, const PlaceV& over_total, con
 
 /// The fitted polynomials at x minus the mean: Σ w p K(x, q) with the kernel K of polynomials orthonormal on the
 /// handles. `scratch` holds as many vectors as handles times one more than terms.
-HWY_INLINE void FitPolynomials(SeenHandles& seen, double* scratch, PlaceV (&moved)[3]) {
-  const PlaceTag d;
+HWY_INLINE void FitPolynomials(SeenHandles& seen, double* scratch, DoubleV (&moved)[3]) {
+  const DoubleTag d;
   WeighHandles(seen);
   const std::size_t count = seen.count(), terms = seen.map.terms.count;
   Columns c{count, hn::Lanes(d), scratch + count * hn::Lanes(d), scratch, {}};
-  const PlaceV unit = hn::Set(d, seen.map.unit), zero = hn::Zero(d), one = hn::Set(d, 1.0);
-  PlaceV values[kMostMonomials];
+  const DoubleV unit = hn::Set(d, seen.map.unit), zero = hn::Zero(d), one = hn::Set(d, 1.0);
+  DoubleV values[kMostMonomials];
   for (std::size_t h = 0; h < count; ++h) {
-    const PlaceV v[3] = {hn::Mul(seen.hat_q(h, 0), unit), hn::Mul(seen.hat_q(h, 1), unit),
-                         hn::Mul(seen.hat_q(h, 2), unit)};
+    const DoubleV v[3] = {hn::Mul(seen.hat_q(h, 0), unit), hn::Mul(seen.hat_q(h, 1), unit),
+                          hn::Mul(seen.hat_q(h, 2), unit)};
     EvaluateTerms(seen.map.terms, v, values);
-    const PlaceV root = hn::Sqrt(seen.kept(h));
+    const DoubleV root = hn::Sqrt(seen.kept(h));
     hn::Store(root, d, c.roots + h * c.lanes);
     for (std::size_t j = 0; j < terms; ++j) hn::Store(hn::Mul(values[j], root), d, c.at(j, h));
   }
-  const PlaceV y[3] = {hn::Mul(seen.hat_x(0), unit), hn::Mul(seen.hat_x(1), unit), hn::Mul(seen.hat_x(2), unit)};
+  const DoubleV y[3] = {hn::Mul(seen.hat_x(0), unit), hn::Mul(seen.hat_x(1), unit), hn::Mul(seen.hat_x(2), unit)};
   EvaluateTerms(seen.map.terms, y, c.here);
-  const PlaceV over_total = hn::Div(one, seen.total);
+  const DoubleV over_total = hn::Div(one, seen.total);
   for (std::size_t j = 0; j < terms; ++j) {
-    const PlaceV before = c.square(j);
+    const DoubleV before = c.square(j);
     TakeOut(c, j, over_total, hn::Eq(before, before));
-    PlaceV left = c.square(j);
+    DoubleV left = c.square(j);
     // Reorthogonalise where little remains: the rounding error of the subtracted part dominates.
     const auto again = hn::Lt(left, hn::Mul(before, hn::Set(d, 1e-3)));
     if (!hn::AllFalse(d, again)) TakeOut(c, j, over_total, again), left = c.square(j);
     const auto keep = hn::And(hn::Gt(left, zero), hn::Gt(left, hn::Mul(before, hn::Set(d, 1e-20))));
-    const PlaceV scale = hn::IfThenElseZero(keep, hn::Div(one, hn::Sqrt(hn::IfThenElse(keep, left, one))));
+    const DoubleV scale = hn::IfThenElseZero(keep, hn::Div(one, hn::Sqrt(hn::IfThenElse(keep, left, one))));
     c.here[j] = hn::Mul(c.here[j], scale);
     for (std::size_t h = 0; h < count; ++h) hn::Store(hn::Mul(c.value(j, h), scale), d, c.at(j, h));
   }
-  for (PlaceV& v : moved) v = zero;
+  for (DoubleV& v : moved) v = zero;
   for (std::size_t h = 0; h < count; ++h) {
-    PlaceV kernel = zero;
+    DoubleV kernel = zero;
     for (std::size_t j = 0; j < terms; ++j) kernel = hn::Add(kernel, hn::Mul(c.here[j], c.value(j, h)));
     kernel = hn::Mul(kernel, c.root(h));
     for (std::size_t k = 0; k < 3; ++k) moved[k] = hn::Add(moved[k], hn::Mul(kernel, seen.hat_p(h, k)));
@@ -274,43 +278,43 @@ HWY_INLINE void FitPolynomials(SeenHandles& seen, double* scratch, PlaceV (&move
 }
 
 /// The affine map by the normal equations, or by orthogonal polynomials where these lose too many digits.
-HWY_INLINE void FitAffine(SeenHandles& seen, double* scratch, PlaceV (&moved)[3]) {
-  const PlaceTag d;
+HWY_INLINE void FitAffine(SeenHandles& seen, double* scratch, DoubleV (&moved)[3]) {
+  const DoubleTag d;
   const Moments m = SumMoments<6>(seen);
-  const PlaceV a = m.qq[0], b = m.qq[1], c = m.qq[2], e = m.qq[3], f = m.qq[4], g = m.qq[5];
+  const DoubleV a = m.qq[0], b = m.qq[1], c = m.qq[2], e = m.qq[3], f = m.qq[4], g = m.qq[5];
   // Cofactors: the solution is (cofactors y) / det.
-  const PlaceV c00 = hn::Sub(hn::Mul(e, g), hn::Mul(f, f)), c11 = hn::Sub(hn::Mul(a, g), hn::Mul(c, c));
-  const PlaceV c22 = hn::Sub(hn::Mul(a, e), hn::Mul(b, b)), c01 = hn::Sub(hn::Mul(c, f), hn::Mul(b, g));
-  const PlaceV c02 = hn::Sub(hn::Mul(b, f), hn::Mul(c, e)), c12 = hn::Sub(hn::Mul(b, c), hn::Mul(a, f));
-  const PlaceV det = Sum3(hn::Mul(a, c00), hn::Mul(b, c01), hn::Mul(c, c02));
-  const PlaceV most = hn::Max(hn::Max(a, e), g);
+  const DoubleV c00 = hn::Sub(hn::Mul(e, g), hn::Mul(f, f)), c11 = hn::Sub(hn::Mul(a, g), hn::Mul(c, c));
+  const DoubleV c22 = hn::Sub(hn::Mul(a, e), hn::Mul(b, b)), c01 = hn::Sub(hn::Mul(c, f), hn::Mul(b, g));
+  const DoubleV c02 = hn::Sub(hn::Mul(b, f), hn::Mul(c, e)), c12 = hn::Sub(hn::Mul(b, c), hn::Mul(a, f));
+  const DoubleV det = Sum3(hn::Mul(a, c00), hn::Mul(b, c01), hn::Mul(c, c02));
+  const DoubleV most = hn::Max(hn::Max(a, e), g);
   const auto good = hn::Gt(det, hn::Mul(hn::Mul(most, most), hn::Mul(most, hn::Set(d, 1e-5))));
-  const PlaceV over = hn::IfThenElseZero(good, hn::Div(hn::Set(d, 1.0), hn::IfThenElse(good, det, hn::Set(d, 1.0))));
-  const PlaceV y[3] = {seen.hat_x(0), seen.hat_x(1), seen.hat_x(2)};
-  PlaceV z[3];
+  const DoubleV over = hn::IfThenElseZero(good, hn::Div(hn::Set(d, 1.0), hn::IfThenElse(good, det, hn::Set(d, 1.0))));
+  const DoubleV y[3] = {seen.hat_x(0), seen.hat_x(1), seen.hat_x(2)};
+  DoubleV z[3];
   Apply({{c00, c01, c02}, {c01, c11, c12}, {c02, c12, c22}}, y, z);
-  for (PlaceV& v : z) v = hn::Mul(v, over);
+  for (DoubleV& v : z) v = hn::Mul(v, over);
   Apply(m.pq, z, moved);
   if (hn::AllTrue(d, good)) return;
-  PlaceV careful[3];
+  DoubleV careful[3];
   FitPolynomials(seen, scratch, careful);  // computes the same means again
   for (std::size_t k = 0; k < 3; ++k) moved[k] = hn::IfThenElse(good, moved[k], careful[k]);
 }
 
 /// Sources of a multiple of the lanes of points, as arrays of coordinates.
-void MapTile(const PointMap& map, std::size_t places, const double* const* x, const double* extras,
+void MapTile(const PointMap& map, std::size_t points, const double* const* x, const double* extras,
              double* const* positions, std::vector<double>& scratch) {
-  const PlaceTag d;
+  const DoubleTag d;
   const std::size_t lanes = hn::Lanes(d), count = map.weight.size();
   scratch.resize(lanes * count * (2 + map.terms.count) + kWidest);
   double* const weights =
       scratch.data() + (64 - reinterpret_cast<std::uintptr_t>(scratch.data()) % 64) % 64 / sizeof(double);
-  const PlaceV rounding = hn::Set(d, 2 * std::numeric_limits<double>::epsilon());
-  for (std::size_t i = 0; i < places; i += lanes) {
-    SeenHandles seen(map, weights, extras ? extras + i : nullptr, places);
+  const DoubleV rounding = hn::Set(d, 2 * std::numeric_limits<double>::epsilon());
+  for (std::size_t i = 0; i < points; i += lanes) {
+    SeenHandles seen(map, weights, extras ? extras + i : nullptr, points);
     for (std::size_t k = 0; k < 3; ++k) seen.x[k] = hn::Load(d, x[k] + i);
     FindNearest(seen);
-    PlaceV moved[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    DoubleV moved[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
     switch (map.kind) {
       case DeformationKind::affine:
         FitAffine(seen, weights + lanes * count, moved);
@@ -325,12 +329,12 @@ void MapTile(const PointMap& map, std::size_t places, const double* const* x, co
         FitPolynomials(seen, weights + lanes * count, moved);
         break;
     }
-    PlaceV size = hn::Zero(d);
+    DoubleV size = hn::Zero(d);
     for (std::size_t k = 0; k < 3; ++k) size = hn::Max(size, hn::Max(hn::Abs(seen.x[k]), hn::Abs(seen.nearest_q[k])));
-    const PlaceV tolerance = hn::Mul(size, rounding);
+    const DoubleV tolerance = hn::Mul(size, rounding);
     const auto held = hn::Le(seen.least, hn::Mul(tolerance, tolerance));
     for (std::size_t k = 0; k < 3; ++k) {
-      const PlaceV position = hn::Add(seen.nearest_p[k], hn::Add(seen.mean_p[k], moved[k]));
+      const DoubleV position = hn::Add(seen.nearest_p[k], hn::Add(seen.mean_p[k], moved[k]));
       hn::Store(hn::IfThenElse(held, seen.nearest_p[k], position), d, positions[k] + i);
     }
   }
@@ -344,11 +348,11 @@ HWY_AFTER_NAMESPACE();
 namespace sansmesh::inline v1::detail {
 HWY_EXPORT(MapTile);
 
-void map_places(const PointMap& map, std::span<const Vec3> x, std::span<const double> extras,
-                std::span<Vec3> positions) {
+void map_positions(const PointMap& map, std::span<const Vec3> x, std::span<const double> extras,
+                   std::span<Vec3> positions) {
   constexpr std::size_t kTile = 256;
   alignas(64) std::array<std::array<double, kTile>, 3> from, to;
-  const double* const places[3] = {from[0].data(), from[1].data(), from[2].data()};
+  const double* const coordinates[3] = {from[0].data(), from[1].data(), from[2].data()};
   double* const found[3] = {to[0].data(), to[1].data(), to[2].data()};
   std::vector<double> scratch, ways;
   for (std::size_t first = 0; first < x.size(); first += kTile) {
@@ -361,7 +365,7 @@ void map_places(const PointMap& map, std::span<const Vec3> x, std::span<const do
         std::copy_n(extras.begin() + static_cast<std::ptrdiff_t>(h * x.size() + first), n,
                     ways.begin() + static_cast<std::ptrdiff_t>(h * padded));
     }
-    HWY_DYNAMIC_DISPATCH(MapTile)(map, padded, places, extras.empty() ? nullptr : ways.data(), found, scratch);
+    HWY_DYNAMIC_DISPATCH(MapTile)(map, padded, coordinates, extras.empty() ? nullptr : ways.data(), found, scratch);
     for (std::size_t i = 0; i < n; ++i) positions[first + i] = {to[0][i], to[1][i], to[2][i]};
   }
 }

@@ -24,7 +24,7 @@ struct PointMap {
 
 /// The source of each x: equals fit_nodes() up to rounding, and p where x is q. Undefined where x is not finite.
 /// `extras`: extra length of the detour from handle h to point i at [x.size() h + i]; or empty.
-void map_places(const PointMap& map, std::span<const Vec3> x, std::span<const double> extras,
-                std::span<Vec3> positions);
+void map_positions(const PointMap& map, std::span<const Vec3> x, std::span<const double> extras,
+                   std::span<Vec3> positions);
 
 }  // namespace sansmesh::inline v1::detail

@@ -44,14 +44,14 @@ class SlitMaker {
     }
     Slit slit;
     slit.unopened = bad_.size();
-    if (cut_edges_.empty() && places_.empty() && tips_.empty()) return slit;
+    if (cut_edges_.empty() && cut_points_.empty() && tips_.empty()) return slit;
     split_triangles();
     if (!cut_edges_.empty()) part(slit);
     return slit;
   }
 
  private:
-  struct Place {  // on an edge, as a fraction from its smaller vertex
+  struct CutPoint {  // on an edge, as a fraction from its smaller vertex
     double share;
   };
   enum class Way : std::uint8_t { none, across, ending, along };
@@ -83,7 +83,7 @@ class SlitMaker {
         counts[chunk].push_back(static_cast<std::uint32_t>(found[chunk].size() - before));
       }
     });
-    all_.clear(), places_.clear(), twice_.clear();
+    all_.clear(), cut_points_.clear(), twice_.clear();
     for (std::size_t chunk = 0; chunk < found.size(); ++chunk) {
       std::size_t at = 0;
       for (std::size_t i = 0; i < counts[chunk].size(); ++i) {
@@ -99,7 +99,7 @@ class SlitMaker {
           if (on_cut_[smaller_end(key)] && share < 2 * kSnap) continue;
           if (on_cut_[larger_end(key)] && share > 1 - 2 * kSnap) continue;
           all_.emplace_back(key, share);
-          if (inner++ == 0) places_[key] = {share};
+          if (inner++ == 0) cut_points_[key] = {share};
         }
         if (inner > 1) twice_.insert(key);
       }
@@ -163,30 +163,30 @@ class SlitMaker {
         } else if (share[least] < kSnap) {  // on an edge
           const std::uint32_t v = t[(least + 1) % 3], w = t[(least + 2) % 3];
           const double along = share[(least + 2) % 3] / (share[(least + 1) % 3] + share[(least + 2) % 3]);
-          const Place place{v < w ? along : 1 - along};
-          const auto [at, fresh] = places_.try_emplace(edge_key(v, w), place);
+          const CutPoint point{v < w ? along : 1 - along};
+          const auto [at, fresh] = cut_points_.try_emplace(edge_key(v, w), point);
           // On an edge along the cut, rounding decides the position of the crossing.
-          if (!fresh && runs_along(v, w)) at->second = place;
+          if (!fresh && runs_along(v, w)) at->second = point;
         } else {
           tips_[i].push_back(p);
         }
       }
     }
     // Crossings now at a vertex are no longer on an edge.
-    for (auto at = places_.begin(); at != places_.end();) {
+    for (auto at = cut_points_.begin(); at != cut_points_.end();) {
       const bool gone = (on_cut_[smaller_end(at->first)] && at->second.share < 2 * kSnap) ||
                         (on_cut_[larger_end(at->first)] && at->second.share > 1 - 2 * kSnap);
-      at = gone ? places_.erase(at) : std::next(at);
+      at = gone ? cut_points_.erase(at) : std::next(at);
     }
   }
 
   /// Whether the cut runs along an edge from one of its ends, which is on it, to the crossing on the edge.
   bool runs_along(std::uint32_t v, std::uint32_t w) const {
     const std::uint64_t key = edge_key(v, w);
-    const auto place = places_.find(key);
-    if (place == places_.end() || (on_cut_[v] != 0) == (on_cut_[w] != 0)) return false;
+    const auto point = cut_points_.find(key);
+    if (point == cut_points_.end() || (on_cut_[v] != 0) == (on_cut_[w] != 0)) return false;
     const Vec3 a = world(smaller_end(key)), b = world(larger_end(key));
-    const double share = place->second.share;
+    const double share = point->second.share;
     return lies_at(a + (b - a) * (on_cut_[smaller_end(key)] ? share / 2 : (1 + share) / 2), norm(b - a));
   }
   bool lies_along(std::uint64_t key) const {
@@ -213,7 +213,7 @@ class SlitMaker {
         const std::uint64_t key = edge_key(t[k], t[(k + 1) % 3]);
         corners += on_cut_[t[k]];
         bad = bad || twice_.count(key) != 0;
-        if (places_.count(key) == 0) continue;
+        if (cut_points_.count(key) == 0) continue;
         ++edges;
         if (runs_along(t[k], t[(k + 1) % 3])) {
           ++along;
@@ -224,7 +224,7 @@ class SlitMaker {
       std::vector<Vec3> tips;
       if (const auto at = tips_.find(i); at != tips_.end()) tips = at->second;
       // A tip next to the crossing where the cut enters is that crossing.
-      std::erase_if(tips, [&](const Vec3& p) { return near_a_place(t, p); });
+      std::erase_if(tips, [&](const Vec3& p) { return near_a_cut_point(t, p); });
       const std::size_t n = corners + edges;
       Look look;
       if (!bad && along == 1 && n == 2 && tips.empty()) {
@@ -251,13 +251,13 @@ class SlitMaker {
     }
   }
 
-  bool near_a_place(const Triangle& t, const Vec3& p) const {
+  bool near_a_cut_point(const Triangle& t, const Vec3& p) const {
     for (std::size_t k = 0; k < 3; ++k) {
       const Vec3 a = world(t[k]), b = world(t[(k + 1) % 3]);
       const double close = kSnap * norm(b - a);
       if (on_cut_[t[k]] && norm(p - a) < close) return true;
-      const auto at = places_.find(edge_key(t[k], t[(k + 1) % 3]));
-      if (at == places_.end()) continue;
+      const auto at = cut_points_.find(edge_key(t[k], t[(k + 1) % 3]));
+      if (at == cut_points_.end()) continue;
       const double share = t[k] < t[(k + 1) % 3] ? at->second.share : 1 - at->second.share;
       if (norm(p - (a + (b - a) * share)) < close) return true;
     }
@@ -266,12 +266,12 @@ class SlitMaker {
 
   std::uint32_t vertex_on(std::uint32_t a, std::uint32_t b) {
     const std::uint64_t key = edge_key(a, b);
-    const auto place = places_.find(key);
-    if (place == places_.end()) return kNoVertex;
+    const auto point = cut_points_.find(key);
+    if (point == cut_points_.end()) return kNoVertex;
     const auto [at, fresh] = made_.try_emplace(key, kNoVertex);
     if (fresh) {
       const std::uint32_t v = smaller_end(key), w = larger_end(key);
-      const double share = place->second.share;
+      const double share = point->second.share;
       const Vec3 x = Vec3(mesh_.vertices[v]) + (Vec3(mesh_.vertices[w]) - Vec3(mesh_.vertices[v])) * share;
       at->second = append_vertex_between(mesh_, v, w, static_cast<float>(share), Vec3f(x));
     }
@@ -455,7 +455,7 @@ class SlitMaker {
   const Occluder& cut_;
   std::vector<std::uint8_t> on_cut_;  // per vertex
   std::vector<std::pair<std::uint64_t, double>> all_;
-  std::map<std::uint64_t, Place> places_;  // split positions of edges
+  std::map<std::uint64_t, CutPoint> cut_points_;  // split positions of edges
   std::unordered_set<std::uint64_t> twice_;
   std::map<std::size_t, std::vector<Vec3>> tips_;  // by triangle
   std::map<std::size_t, Look> ways_;

@@ -27,9 +27,9 @@ Vec3 turned(const Vec3& d, const Vec3& turn) {
 
 }  // namespace
 
-SceneDrive::SceneDrive(const DynamicsScene& scene, std::span<const Vec3> rest, std::span<const std::uint32_t> place,
+SceneDrive::SceneDrive(const DynamicsScene& scene, std::span<const Vec3> rest, std::span<const std::uint32_t> rank,
                        std::span<const std::uint32_t> loose) {
-  for (const std::uint32_t v : scene.fixed) held_.push_back(place[v]);
+  for (const std::uint32_t v : scene.fixed) held_.push_back(rank[v]);
   std::sort(held_.begin(), held_.end());
   held_.erase(std::unique(held_.begin(), held_.end()), held_.end());
   std::vector<std::uint8_t> taken(rest.size(), 0);
@@ -37,7 +37,7 @@ SceneDrive::SceneDrive(const DynamicsScene& scene, std::span<const Vec3> rest, s
   for (const PulledHandle& h : scene.handles) {
     Handle handle{h.stiffness ? pulled_.size() : held_.size(), h.vertices.size(), !h.stiffness, {}, h.keys};
     for (const std::uint32_t v : h.vertices) {
-      const std::uint32_t i = place[v];
+      const std::uint32_t i = rank[v];
       taken[i] = 1;
       handle.center += rest[i] / static_cast<double>(h.vertices.size());
       if (h.stiffness) {
@@ -50,14 +50,14 @@ SceneDrive::SceneDrive(const DynamicsScene& scene, std::span<const Vec3> rest, s
     handles_.push_back(std::move(handle));
   }
   for (const std::uint32_t v : loose) {
-    if (!taken[place[v]]) held_.push_back(place[v]);
+    if (!taken[rank[v]]) held_.push_back(rank[v]);
   }
   for (const std::uint32_t v : held_) held_rest_.push_back(rest[v]);
   for (const PulledVertex& p : pulled_) pulled_rest_.push_back(rest[p.vertex]);
   held_now_ = held_rest_, pulled_now_ = pulled_rest_;
   for (const VertexForce& f : scene.forces) {
     Force force{{}, f.force, f.from, f.until};
-    for (const std::uint32_t v : f.vertices) force.vertices.push_back(place[v]);
+    for (const std::uint32_t v : f.vertices) force.vertices.push_back(rank[v]);
     forces_.push_back(std::move(force));
   }
 }

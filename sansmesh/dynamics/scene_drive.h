@@ -17,8 +17,8 @@ struct PulledVertex {
 
 class SceneDrive {
  public:
-  /// A vertex i of the scene becomes place[i], an index into `rest`. Vertices in `loose` are held like fixed ones.
-  SceneDrive(const DynamicsScene& scene, std::span<const Vec3> rest, std::span<const std::uint32_t> place,
+  /// A vertex i of the scene becomes rank[i], an index into `rest`. Vertices in `loose` are held like fixed ones.
+  SceneDrive(const DynamicsScene& scene, std::span<const Vec3> rest, std::span<const std::uint32_t> rank,
              std::span<const std::uint32_t> loose);
 
   /// Vertices with prescribed motion: fixed ones and those of handles without stiffness.

@@ -171,10 +171,10 @@ class SceneReader {
       for (const JsonValue& v : json) all.push_back(vertex(v, where));
       return all;
     }
-    for (const auto& [place, entry] : detail::json_entries(json, where)) {
+    for (const auto& [location, entry] : detail::json_entries(json, where)) {
       if (entry->is_number())
-        all.push_back(vertex(*entry, place));
-      else if (const std::vector<std::uint32_t> some = selection(*entry, place); true)
+        all.push_back(vertex(*entry, location));
+      else if (const std::vector<std::uint32_t> some = selection(*entry, location); true)
         all.insert(all.end(), some.begin(), some.end());
     }
     return all;
@@ -275,8 +275,8 @@ class SceneReader {
     if (f.has("keys")) {
       if (f.has("move") || f.has("turn") || f.has("from") || f.has("until"))
         f.fail("give either 'keys', or 'move', 'turn', 'from' and 'until'");
-      for (const auto& [place, entry] : detail::json_entries(f.at("keys"), f.where("keys"))) {
-        const JsonFields k(*entry, place, {"time", "move", "turn"});
+      for (const auto& [location, entry] : detail::json_entries(f.at("keys"), f.where("keys"))) {
+        const JsonFields k(*entry, location, {"time", "move", "turn"});
         HandleKey key;
         key.time = k.number("time");
         if (k.has("move")) key.displacement = k.vector("move");

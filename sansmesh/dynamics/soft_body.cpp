@@ -38,7 +38,7 @@ struct SoftBody::State {
   DynamicsScene scene;
   std::vector<double> masses;        ///< masses of the mesh's vertices
   std::vector<std::uint32_t> order;  ///< mesh vertex of each vertex of the body
-  std::vector<std::uint32_t> place;  ///< inverse of `order`
+  std::vector<std::uint32_t> rank;   ///< inverse of `order`
   std::unique_ptr<BodyState> body;
   std::unique_ptr<BodyStepper> stepper;
 
@@ -64,15 +64,15 @@ SoftBody::SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene s
   s.masses = lumped_masses(s.mesh, options);
   s.order = space_order(s.mesh.vertices);
   const std::size_t n = s.order.size();
-  s.place.resize(n);
-  for (std::size_t i = 0; i < n; ++i) s.place[s.order[i]] = static_cast<std::uint32_t>(i);
+  s.rank.resize(n);
+  for (std::size_t i = 0; i < n; ++i) s.rank[s.order[i]] = static_cast<std::uint32_t>(i);
   std::vector<Vec3> rest = s.in_order(s.mesh.vertices);
   std::vector<std::uint32_t> loose;
   for (std::size_t v = 0; v < n; ++v) {
     if (s.masses[v] == 0) loose.push_back(static_cast<std::uint32_t>(v));
   }
 
-  s.body = std::make_unique<BodyState>(options, s.scene, SceneDrive(s.scene, rest, s.place, loose));
+  s.body = std::make_unique<BodyState>(options, s.scene, SceneDrive(s.scene, rest, s.rank, loose));
   BodyState& body = *s.body;
   s.stepper = body.integrator.make();
   body.names = s.order;
@@ -84,7 +84,7 @@ SoftBody::SoftBody(TetMesh mesh, const SoftBodyOptions& options, DynamicsScene s
   }
   std::vector<Tet> tets = s.mesh.tets;
   for (Tet& t : tets) {
-    for (std::uint32_t& v : t) v = s.place[v];
+    for (std::uint32_t& v : t) v = s.rank[v];
   }
   // Improves locality; also the order of sums over tetrahedra.
   std::sort(tets.begin(), tets.end(), [](const Tet& a, const Tet& b) {

@@ -158,22 +158,22 @@ TriangleMesh boundary_mesh(const TetMesh& mesh, std::span<const Vec3> x, std::ve
   TriangleMesh surface;
   surface.triangles = boundary_faces(mesh);
   constexpr std::uint32_t kUnused = 0xffffffffu;
-  std::vector<std::uint32_t> place(mesh.vertices.size(), kUnused);
+  std::vector<std::uint32_t> renumbered(mesh.vertices.size(), kUnused);
   for (const Triangle& t : surface.triangles) {
-    for (const std::uint32_t v : t) place[v] = 0;
+    for (const std::uint32_t v : t) renumbered[v] = 0;
   }
   std::vector<std::uint32_t> used;
   Box3 box;
-  for (std::size_t v = 0; v < place.size(); ++v) {
-    if (place[v] == kUnused) continue;
-    place[v] = static_cast<std::uint32_t>(used.size());
+  for (std::size_t v = 0; v < renumbered.size(); ++v) {
+    if (renumbered[v] == kUnused) continue;
+    renumbered[v] = static_cast<std::uint32_t>(used.size());
     used.push_back(static_cast<std::uint32_t>(v));
     box.extend(x[v]);
   }
   if (!used.empty()) surface.origin = box.center();
   for (const std::uint32_t v : used) surface.vertices.emplace_back(x[v] - surface.origin);
   for (Triangle& t : surface.triangles) {
-    for (std::uint32_t& v : t) v = place[v];
+    for (std::uint32_t& v : t) v = renumbered[v];
   }
   if (sources) *sources = std::move(used);
   return surface;

@@ -118,7 +118,7 @@ double FlowFronts::advance(double from, double to, double step, double end) {
   for (const FrontMember& m : members_) which.push_back(m.particle);
   next_ = members_;
   for (std::size_t i = 0; i < next_.size(); ++i) {
-    next_[i].was = place(next_[i]);
+    next_[i].was = position(next_[i]);
     next_[i].before = static_cast<std::uint32_t>(i);
   }
   to = move_members(which, from, to, step);
@@ -148,7 +148,7 @@ double FlowFronts::move_members(const std::vector<std::uint32_t>& which, double 
     move_particles(field_, particles_, which, to, trace_);
     work_ += static_cast<double>(which.size());
     double most = 0;
-    for (const FrontMember& m : next_) most = std::max(most, norm(place(m) - m.was));
+    for (const FrontMember& m : next_) most = std::max(most, norm(position(m) - m.was));
     const double went = std::abs(to - from), least = step / kMostParts;
     if (!free || !(most > longest_way())) return to;
     const double next = std::max(least, went * std::max(kShorter * longest_way() / most, 1.0 / 8));
@@ -163,7 +163,7 @@ double FlowFronts::median_step() const {
   std::vector<double> steps;
   steps.reserve(next_.size());
   for (const FrontMember& m : next_)
-    if (const double step = norm(place(m) - m.was); step > kAtRest * share_ * spacing_) steps.push_back(step);
+    if (const double step = norm(position(m) - m.was); step > kAtRest * share_ * spacing_) steps.push_back(step);
   return median(steps);
 }
 

@@ -46,7 +46,7 @@ class FlowFronts {
   /// this count as one.
   static constexpr double kAtRest = 1e-3;
 
-  const Vec3& place(const FrontMember& m) const { return particles_.positions[m.particle]; }
+  const Vec3& position(const FrontMember& m) const { return particles_.positions[m.particle]; }
   bool ended(const FrontMember& m) const { return particles_.ends[m.particle].has_value(); }
   bool at_rim(const FrontMember& a, const FrontMember& b) const { return ended(a) || ended(b); }
   std::size_t next_index(std::size_t i) const { return i + 1 < next_.size() ? i + 1 : 0; }

@@ -21,7 +21,7 @@ constexpr std::size_t kLeastPass = 16;
 }  // namespace
 
 FlowFronts::Gap FlowFronts::judge(const FrontMember& a, const FrontMember& b) const {
-  const double gap = norm(place(b) - place(a));
+  const double gap = norm(position(b) - position(a));
   if (!(gap > options_.alpha * spacing_)) return Gap::good;
   if (full()) return Gap::torn;
   if (at_rim(a, b)) {
@@ -29,7 +29,7 @@ FlowFronts::Gap FlowFronts::judge(const FrontMember& a, const FrontMember& b) co
     return exact && span(a, b) > kRim * spacing_ ? Gap::wide : Gap::torn;
   }
   const double growth = gap - norm(b.was - a.was);
-  const double own = std::min(norm(place(a) - a.was), norm(place(b) - b.was));
+  const double own = std::min(norm(position(a) - a.was), norm(position(b) - b.was));
   if (!(growth < options_.beta * own)) return Gap::torn;
   return span(a, b) > least_span_ ? Gap::wide : Gap::torn;
 }
@@ -53,7 +53,7 @@ void FlowFronts::pass_obstacles(double from, double to) {
     for (const std::uint32_t i : blocked(to)) {
       const FrontMember &a = next_[i], &b = after(i);
       const bool can = options_.insertion == FlowInsertion::traced && !at_rim(a, b) && !full() &&
-                       norm(place(b) - place(a)) > kObstacle * spacing_ && span(a, b) > least_span_;
+                       norm(position(b) - position(a)) > kObstacle * spacing_ && span(a, b) > least_span_;
       if (can)
         narrower.push_back(i);
       else
@@ -74,7 +74,7 @@ void FlowFronts::insert(std::span<const std::uint32_t> wide, double from, double
     const FrontMember &a = next_[wide[k]], &b = after(wide[k]);
     s[k] = middle(a.s, b.s);
     fresh[k].s = s[k], fresh[k].joined = true, fresh[k].needed = needed;
-    fresh[k].was = (a.was + b.was) * 0.5, halfway[k] = (place(a) + place(b)) * 0.5;
+    fresh[k].was = (a.was + b.was) * 0.5, halfway[k] = (position(a) + position(b)) * 0.5;
   }
   Particles p;
   if (options_.insertion == FlowInsertion::traced) {
@@ -107,7 +107,7 @@ void FlowFronts::insert(std::span<const std::uint32_t> wide, double from, double
 void FlowFronts::find(const std::vector<double>& s, std::span<const std::uint32_t> wide, double from, double to,
                       Particles& p, std::vector<Vec3>& was) {
   if (field_.moments().empty()) return trace(s, from, to, p, was);
-  const auto is_there = [this](double place) { return ahead_.has(place); };
+  const auto is_there = [this](double seed) { return ahead_.has(seed); };
   if (!std::all_of(s.begin(), s.end(), is_there)) {
     // Keeps the particles at midpoints; traces also those of the wider gaps, and of the halves of gaps that are
     // filled now.
@@ -119,7 +119,7 @@ void FlowFronts::find(const std::vector<double>& s, std::span<const std::uint32_
         ++k;
       } else if (a.joined) {
         kept.push_back(middle(a.s, b.s));
-        const bool near = !(norm(place(b) - place(a)) > kAhead * options_.alpha * spacing_);
+        const bool near = !(norm(position(b) - position(a)) > kAhead * options_.alpha * spacing_);
         if (!near && !at_rim(a, b) && span(a, b) > least_span_) wanted.push_back(kept.back());
       }
     }
@@ -133,7 +133,7 @@ void FlowFronts::find(const std::vector<double>& s, std::span<const std::uint32_
     trace(wanted, from, to, traced, were);
     ahead_.add(wanted, traced, were);
   }
-  for (const double place : s) ahead_.take(place, p, was);
+  for (const double seed : s) ahead_.take(seed, p, was);
 }
 
 void FlowFronts::trace(const std::vector<double>& s, double from, double to, Particles& p, std::vector<Vec3>& was) {
@@ -156,15 +156,15 @@ std::uint32_t FlowFronts::append(const Particles& from, std::size_t k) {
 
 std::vector<std::uint32_t> FlowFronts::blocked(double time) const {
   std::vector<std::uint32_t> pairs;
-  std::vector<Vec3> places;
+  std::vector<Vec3> middles;
   for (std::size_t i = 0; i < next_.size(); ++i) {
     if (!next_[i].joined) continue;
     pairs.push_back(static_cast<std::uint32_t>(i));
-    places.push_back((place(next_[i]) + place(after(i))) * 0.5);
+    middles.push_back((position(next_[i]) + position(after(i))) * 0.5);
   }
-  std::vector<Vec3> vectors(places.size());
-  std::vector<std::uint8_t> inside(places.size());
-  field_.evaluate(places, std::vector<double>(places.size(), time), vectors, inside);
+  std::vector<Vec3> vectors(middles.size());
+  std::vector<std::uint8_t> inside(middles.size());
+  field_.evaluate(middles, std::vector<double>(middles.size(), time), vectors, inside);
   std::size_t kept = 0;
   for (std::size_t k = 0; k < pairs.size(); ++k)
     if (inside[k] == 0) pairs[kept++] = pairs[k];

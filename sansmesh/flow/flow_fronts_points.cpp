@@ -25,7 +25,7 @@ void FlowFronts::remove_needless() {
     if (left <= 4 || b.before == FrontMember::kNone || b.needed || !a.joined || !b.joined || a.removed || c.removed ||
         ended(a) || ended(b) || ended(c))
       continue;
-    const Vec3 from = place(b) - place(a), on = place(c) - place(b);
+    const Vec3 from = position(b) - position(a), on = position(c) - position(b);
     const double most = std::max(norm(from), norm(on));
     if (!(most < options_.delta * spacing_)) continue;
     if (most > kAtRest * spacing_ && !(dot(from, on) > kStraight * norm(from) * norm(on))) continue;
@@ -52,7 +52,7 @@ bool FlowFronts::make_points(bool last) {
     FrontMember& m = next_[i];
     const std::size_t l = neighbour(i, false), r = neighbour(i, true);
     if (m.removed || (l == n && r == n)) continue;
-    const Vec3& x = place(m);
+    const Vec3& x = position(m);
     if (m.point != FrontMember::kNone) {
       const double since = norm(x - sheet_.points[m.point].position);
       if (since < rest) continue;
@@ -63,11 +63,11 @@ bool FlowFronts::make_points(bool last) {
     // Direction along the front: slope of the parabola through both neighbours.
     Vec3 along;
     if (l < n && r < n) {
-      const Vec3 a = x - place(next_[l]), b = place(next_[r]) - x;
+      const Vec3 a = x - position(next_[l]), b = position(next_[r]) - x;
       const double la = norm(a), lb = norm(b);
       along = a * (lb / std::max(la, 1e-300)) + b * (la / std::max(lb, 1e-300));
     } else {
-      along = l < n ? x - place(next_[l]) : place(next_[r]) - x;
+      along = l < n ? x - position(next_[l]) : position(next_[r]) - x;
     }
     FlowPoint point;
     point.position = x, point.velocity = particles_.velocities[m.particle];

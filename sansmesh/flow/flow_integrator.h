@@ -33,7 +33,7 @@ class ParticleStep {
   template <class Mean>
   void ask(double share, const Mean& mean) {
     for (std::size_t i = 0; i < size(); ++i) {
-      places_[i] = starts_[i] + mean(i) * durations_[i];
+      ends_[i] = starts_[i] + mean(i) * durations_[i];
       moments_[i] = times_[i] + share * durations_[i];
     }
     ask_field();
@@ -53,14 +53,14 @@ class ParticleStep {
     starts_[i] = start, times_[i] = time, durations_[i] = duration, velocities_[0][i] = velocity;
   }
   bool has_left(std::size_t i) const { return out_[i] != 0; }  ///< left the flow during the step
-  const Vec3& end(std::size_t i) const { return places_[i]; }
+  const Vec3& end(std::size_t i) const { return ends_[i]; }
   const Vec3& last_velocity(std::size_t i) const { return velocities_[stages_ - 1][i]; }
 
  private:
   void ask_field();
 
   const VectorField& field_;
-  std::vector<Vec3> starts_, places_, bulges_;
+  std::vector<Vec3> starts_, ends_, bulges_;
   std::vector<double> times_, durations_, moments_, errors_;
   /// Velocities of each stage; sized for the largest number of stages so far.
   std::vector<std::vector<Vec3>> velocities_;

@@ -156,15 +156,15 @@ class LineMaker {
                    "`interval` is too short: too many particles");
     const auto n = static_cast<std::size_t>(many);
     const double sign = trace_.backward ? -1 : 1, end = start_ + sign * d;
-    std::vector<Vec3> places;
+    std::vector<Vec3> starts;
     std::vector<double> moments;
     for (const Vec3& seed : seeds_)
       for (std::size_t k = 0; k < n; ++k) {
-        places.push_back(seed);
+        starts.push_back(seed);
         moments.push_back(start_ + sign * interval * static_cast<double>(k));
       }
-    Particles p = particles_at(field_, places, moments);
-    std::vector<std::uint32_t> all(places.size());
+    Particles p = particles_at(field_, starts, moments);
+    std::vector<std::uint32_t> all(starts.size());
     std::iota(all.begin(), all.end(), 0u);
     progress_.begin("trace");
     move_particles(field_, p, all, end, trace_);

@@ -32,9 +32,9 @@ void ParticlesAhead::keep(std::span<const double> s) {
   Particles particles;
   std::vector<Vec3> was;
   std::map<double, std::uint32_t> at;
-  for (const auto& [place, i] : at_) {
-    if (!std::binary_search(s.begin(), s.end(), place)) continue;
-    at[place] = static_cast<std::uint32_t>(was.size());
+  for (const auto& [seed, i] : at_) {
+    if (!std::binary_search(s.begin(), s.end(), seed)) continue;
+    at[seed] = static_cast<std::uint32_t>(was.size());
     append_particle(particles, particles_, i);
     was.push_back(was_[i]);
   }

@@ -173,13 +173,13 @@ class ReleasedSheet {
     std::sort(edges.keys.begin(), edges.keys.end());
     edges.keys.erase(std::unique(edges.keys.begin(), edges.keys.end()), edges.keys.end());
     const std::size_t n = edges.size();
-    std::vector<Vec3> places(n), vectors(n);
+    std::vector<Vec3> middles(n), vectors(n);
     edges.inside.resize(n), edges.halve.resize(n), edges.bad.resize(n);
     for (std::size_t e = 0; e < n; ++e) {
       const auto [a, b] = edges.ends(e);
-      places[e] = (particles_.positions[a] + particles_.positions[b]) * 0.5;
+      middles[e] = (particles_.positions[a] + particles_.positions[b]) * 0.5;
     }
-    field_.evaluate(places, std::vector<double>(n, end_), vectors, edges.inside);
+    field_.evaluate(middles, std::vector<double>(n, end_), vectors, edges.inside);
     for (std::size_t e = 0; e < n; ++e) {
       const auto [a, b] = edges.ends(e);
       if (!arrived(a) || !arrived(b)) continue;

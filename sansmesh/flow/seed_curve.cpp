@@ -28,8 +28,8 @@ std::vector<Vec3> SeedCurve::at(std::span<const double> s) const {
   validate();
   const std::vector<double> lengths = arc_lengths(*this);
   const double all = lengths.back();
-  std::vector<Vec3> places;
-  places.reserve(s.size());
+  std::vector<Vec3> positions;
+  positions.reserve(s.size());
   for (double here : s) {
     if (closed) here -= all * std::floor(here / all);
     here = std::clamp(here, 0.0, all);
@@ -38,9 +38,9 @@ std::vector<Vec3> SeedCurve::at(std::span<const double> s) const {
     const double part = lengths[k + 1] - lengths[k];
     const double share = part > 0 ? (here - lengths[k]) / part : 0;
     const Vec3 &a = points[k], &b = points[(k + 1) % points.size()];
-    places.push_back(share < 1 ? a + (b - a) * share : b);
+    positions.push_back(share < 1 ? a + (b - a) * share : b);
   }
-  return places;
+  return positions;
 }
 
 void SeedCurve::validate() const {

@@ -54,7 +54,7 @@ struct Step {
 
 /// A particle's position some steps ago, and the number of steps.
 struct Anchor {
-  Vec3 place;
+  Vec3 position;
   std::uint32_t steps = 0;
 };
 
@@ -165,7 +165,7 @@ class Stepper {
   /// Whether a particle at x has made no progress for long.
   bool circles(const Vec3& x, Anchor& anchor) const {
     const double near = std::min(kCircle * tolerance_, 0.25 * kCircling * reach_);
-    if (squared_norm(x - anchor.place) > near * near) anchor = {x, 0};
+    if (squared_norm(x - anchor.position) > near * near) anchor = {x, 0};
     return ++anchor.steps > kCircling;
   }
 
@@ -401,7 +401,7 @@ Traces trace_lines(const VectorField& field, std::span<const Vec3> seeds, std::s
     if (p.ends[i]) continue;
     active.push_back(static_cast<std::uint32_t>(i));
     lines[i] = {{p.positions[i]}, {p.times[i]}, {p.velocities[i]}};
-    if (!with.anchors.empty()) with.anchors[i].place = p.positions[i];
+    if (!with.anchors.empty()) with.anchors[i].position = p.positions[i];
   }
   const double sag = kSag * field.bounds().diagonal();
   const auto keep = [&](const Step& step) {

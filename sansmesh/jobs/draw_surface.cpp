@@ -99,7 +99,7 @@ SurfaceModel model_of(PictureObject& object, const PictureOptions& o, std::optio
   if (is_curvature(o.color_by)) mesh = curved_vertices(object.points, o.cloud, progress);
   PreparedCloud cloud = prepare_cloud(std::move(object.points), o.cloud, progress);
   return o.surface ? make_surface_model(std::move(cloud), *o.surface, progress)
-                   : make_suited_surface(std::move(cloud), progress);
+                   : make_recommended_surface(std::move(cloud), progress);
 }
 
 void paint_all(const PictureOptions& o, const SurfaceModel& model, std::optional<CurvedVertices> mesh,

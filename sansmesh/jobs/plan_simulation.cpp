@@ -13,8 +13,8 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/dynamics/body_integrator.h"
+#include "sansmesh/dynamics/recommended_options.h"
 #include "sansmesh/dynamics/scene_script.h"
-#include "sansmesh/dynamics/suited_options.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/scene_errors.h"
@@ -88,7 +88,7 @@ void put_into_scene(const SimulateOptions& o, SceneScript& s) {
 }
 
 void take_unit(const TetMesh& body, SceneScript& s, std::vector<Note>& notes) {
-  const double unit = suited_unit(s, body);
+  const double unit = recommended_unit(s, body);
   const double size = bounds(body).diagonal();
   if (!s.unit && unit != 1)
     notes.push_back({.code = "unit",
@@ -224,7 +224,7 @@ SimulationPlan plan_simulation(TetMesh body, SceneScript scene, const SimulateOp
   for (Vec3& p : metres.vertices) p *= plan.unit;
   of_scene(options.frames || options.duration || options.fps, [&] { plan_frames(options, scene, plan); });
   of_scene(false, [&] {
-    plan.options = suited_options(scene, metres);
+    plan.options = recommended_options(scene, metres);
     plan.options.validate();
   });
   of_scene(options.longest_step.has_value(), [&] { plan_steps(plan); });

@@ -62,7 +62,7 @@ PointSet on_surface(ProjectInput& input, const ProjectOptions& o, ProjectResult&
     PreparedCloud prepared = prepare_cloud(input.onto ? std::move(*input.onto) : input.points, o.cloud, progress);
     const auto surface = surface_of(o);
     const SurfaceModel model = surface ? make_surface_model(std::move(prepared), *surface, progress)
-                                       : make_suited_surface(std::move(prepared), progress);
+                                       : make_recommended_surface(std::move(prepared), progress);
     result.report.method = model.report().method;
     add_notes(result.notes, "surface", model.warnings(), of);
     SurfaceProjection& moved = result.report.moved;

@@ -113,7 +113,7 @@ std::vector<std::uint8_t> far_off(const SurfaceModel& model, std::span<const Vec
 
 }  // namespace
 
-SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress) {
+SurfaceModel make_recommended_surface(PreparedCloud cloud, Progress& progress) {
   const NoiseEstimate estimate = measure_noise(cloud.points);
   // An unknown deviation, possibly shape, does not count as noise.
   const double noise = estimate.known ? estimate.deviation : 0;
@@ -233,13 +233,13 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
   const double area =
       static_cast<double>(model.report().samples) * std::pow(frame.from_input(model.report().spacing), 2);
   double radius = std::sqrt(0.7 * area / static_cast<double>(count) * 4 / std::numbers::pi);
-  std::vector<Vec3> places;
-  places.reserve(feet.size());
-  for (const Foot& f : feet) places.push_back(f.position);
+  std::vector<Vec3> positions;
+  positions.reserve(feet.size());
+  for (const Foot& f : feet) positions.push_back(f.position);
   std::vector<std::uint32_t> kept;
   double too_small = 0, too_large = 0;  // known bounds of the radius; 0: none yet
   for (int round = 0; round < 12; ++round) {
-    kept = poisson_discs(places, radius);
+    kept = poisson_discs(positions, radius);
     const double share = static_cast<double>(kept.size()) / static_cast<double>(count);
     if (std::abs(share - 1) < 0.03 || (share < 1 && kept.size() == feet.size())) break;
     (share > 1 ? too_small : too_large) = radius;

@@ -16,7 +16,7 @@ namespace sansmesh::inline v1 {
 /// The surface recommended for projecting samples onto their own surface (table in docs/methods/projections.md):
 /// `partition`, unless it moves them by more than their noise explains and `curvature`, whose fits are smaller, moves
 /// them less.
-SurfaceModel make_suited_surface(PreparedCloud cloud, Progress& progress);
+SurfaceModel make_recommended_surface(PreparedCloud cloud, Progress& progress);
 
 /// Projects points onto the surface (by its projection, or along the gradient of an implicit one) and sets their
 /// normals; colours and other attributes stay. Drops and counts points outside the domain of definition, and points

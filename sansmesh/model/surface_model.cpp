@@ -36,7 +36,7 @@ class SharpenedNormals : public NormalField {
 };
 
 /// Options with lengths in the coordinates of a prepared cloud.
-SurfaceOptions placed(SurfaceOptions options, const LocalFrame& frame) {
+SurfaceOptions in_local_frame(SurfaceOptions options, const LocalFrame& frame) {
   for_each_option(SurfaceOptions::schema(), &options, [&](const OptionRow& row, void* owner) {
     const OptionValue value = row.get(owner);
     const auto* const length = row.unit == "length" ? std::get_if<double>(&value) : nullptr;
@@ -106,7 +106,7 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
   auto state = std::make_unique<SurfaceModel::State>();
   state->cloud = std::move(prepared);
   if (options.sharp) sharpen_estimated_normals(state->cloud, progress);
-  const SurfaceOptions inner = placed(options, state->cloud.frame);
+  const SurfaceOptions inner = in_local_frame(options, state->cloud.frame);
   state->take(surface_method(options.method).make(state->cloud, inner, progress), options.method);
   if (options.sharp) {
     if (!state->parts.samples) throw ArgumentError("`sharp` means nothing to the surface " + options.method);

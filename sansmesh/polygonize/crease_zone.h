@@ -85,11 +85,11 @@ struct CreaseZone {
   double flip_gain(std::uint32_t h, std::array<std::uint32_t, 2>& pieces) const;
   bool in_a_row(std::uint32_t t) const;  ///< all corners on one crease: the triangle has no area
   double collapse_gain(std::uint32_t h) const;
-  bool mend(std::uint32_t t);
+  bool repair(std::uint32_t t);
   void relax();
-  void look_again(std::uint32_t v);
+  void mark_around(std::uint32_t v);
 
-  std::vector<std::uint8_t> look_;  ///< triangles changed since mend() last found nothing to do for them
+  std::vector<std::uint8_t> marked_;  ///< triangles changed since repair() last found nothing to do for them
 };
 
 }  // namespace sansmesh::inline v1

@@ -140,7 +140,7 @@ double CreaseZone::collapse_gain(std::uint32_t h) const {
   return possible ? gain : kNever;
 }
 
-bool CreaseZone::mend(std::uint32_t t) {
+bool CreaseZone::repair(std::uint32_t t) {
   enum class Kind { kNothing, kFlip, kCollapse, kRename };
   Kind kind = Kind::kNothing;
   std::uint32_t chosen = 0;
@@ -177,8 +177,8 @@ bool CreaseZone::mend(std::uint32_t t) {
   }
   if (kind == Kind::kFlip) {
     const std::uint32_t g = surface.twin(chosen);
-    for (const std::uint32_t v : surface[chosen / 3]) look_again(v);
-    look_again(surface.apex(g));
+    for (const std::uint32_t v : surface[chosen / 3]) mark_around(v);
+    mark_around(surface.apex(g));
     surface.flip(chosen);
     piece[chosen / 3] = pieces[0];
     piece[g / 3] = pieces[1];
@@ -186,12 +186,12 @@ bool CreaseZone::mend(std::uint32_t t) {
     const std::uint32_t to = surface.to(chosen);
     surface.collapse(chosen);
     surface.around(to, [&](std::uint32_t h) {
-      look_again(surface.to(h));
+      mark_around(surface.to(h));
       if (piece[h / 3] == kNone) piece[h / 3] = best_piece(surface[h / 3]);
     });
   } else if (kind == Kind::kRename) {
     piece[t] = pieces[0];
-    for (const std::uint32_t v : surface[t]) look_again(v);
+    for (const std::uint32_t v : surface[t]) mark_around(v);
   }
   return kind != Kind::kNothing;
 }
@@ -249,7 +249,7 @@ void CreaseZone::relax() {
         if (label[v].pieces.piece[j] == m.piece[k]) label[v].normal[j] = Vec3f(m.normal[k]);
     if (least_around(v) >= std::min(least, 0.6)) {
       moved.push_back(v);
-      look_again(v);
+      mark_around(v);
       continue;
     }
     x[v] = old;
@@ -258,12 +258,12 @@ void CreaseZone::relax() {
   settle(moved, false);
 }
 
-void CreaseZone::look_again(std::uint32_t v) {
-  surface.around(v, [&](std::uint32_t h) { look_[h / 3] = 1; });
+void CreaseZone::mark_around(std::uint32_t v) {
+  surface.around(v, [&](std::uint32_t h) { marked_[h / 3] = 1; });
 }
 
 void CreaseZone::improve() {
-  look_.assign(surface.triangles(), 1);
+  marked_.assign(surface.triangles(), 1);
   for (int pass = 0; pass < kPasses; ++pass) {
     std::vector<std::uint32_t> corners;  // duplicates of one corner exchange their pieces
     for (std::uint32_t v = 0; v < x.size(); ++v)
@@ -272,8 +272,8 @@ void CreaseZone::improve() {
     for (int again = 0; again < kMendPasses; ++again) {
       bool any = false;
       for (std::uint32_t t = 0; t < surface.triangles(); ++t)
-        if (std::exchange(look_[t], std::uint8_t{0}) && surface.alive(t) && penalty(surface[t], piece[t]) > 0)
-          any = mend(t) || any;
+        if (std::exchange(marked_[t], std::uint8_t{0}) && surface.alive(t) && penalty(surface[t], piece[t]) > 0)
+          any = repair(t) || any;
       if (!any) break;
     }
     relax();

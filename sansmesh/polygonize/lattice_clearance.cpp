@@ -68,13 +68,13 @@ std::vector<Vec3> clear_lattice(const PieceExpression& field, const PieceBlocks&
       edge[numbers[s]] = std::min(edge[numbers[s]], e);
     }
   }
-  std::vector<Vec3> place(points.size());
+  std::vector<Vec3> positions(points.size());
   parallel_for(0, points.size(), 1024, [&](std::size_t v) {
     const PieceBlocks::Leaf& leaf = blocks.leaves[owner[v]];
-    place[v] = stand_back(field, std::span(blocks.nodes).subspan(leaf.first, leaf.count),
-                          lattice_position(tree, points[v]), kStandBack * static_cast<double>(edge[v]));
+    positions[v] = stand_back(field, std::span(blocks.nodes).subspan(leaf.first, leaf.count),
+                              lattice_position(tree, points[v]), kStandBack * static_cast<double>(edge[v]));
   });
-  return place;
+  return positions;
 }
 
 }  // namespace sansmesh::inline v1

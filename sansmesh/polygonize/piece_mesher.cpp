@@ -133,7 +133,7 @@ TriangleMesh PieceMesher::finished(const Vec3& origin, bool careful) {
 
 std::vector<Vec3f> PieceMesher::normals() const { return piece_normals(field_, piece_mesh()); }
 
-void PieceMesher::place() {
+void PieceMesher::place_vertices() {
   parallel_for(0, mesh.vertices.size(), 1024, [&](std::size_t i) {
     CutPieces::Vertex& v = mesh.vertices[i];
     const double size = static_cast<double>(v.size), precision = 1e-11 * scale_;
@@ -257,7 +257,7 @@ void PieceMesher::simplify(const Vec3& origin, Progress& progress) {
 void PieceMesher::place_again() {
   std::vector<Vec3> before(mesh.vertices.size());
   for (std::size_t v = 0; v < before.size(); ++v) before[v] = mesh.vertices[v].x;
-  place();
+  place_vertices();
   // Restored vertices were moved off their pieces where the mesh intersected itself.
   for (std::size_t v = 0; v < before.size(); ++v)
     if (mesh.vertices[v].room == 0) mesh.vertices[v].x = before[v];

@@ -50,7 +50,7 @@ class PieceMesher {
   std::vector<Vec3f> normals() const;
 
   /// Moves each vertex onto its pieces.
-  void place();
+  void place_vertices();
 
   /// Normal of each triangle's piece at its centroid and, on request, the distance to it.
   std::vector<Vec3> normals_of_triangles(std::vector<double>* distance = nullptr) const;
@@ -64,7 +64,7 @@ class PieceMesher {
   /// Largest curvature of its pieces.
   double bend_of(const CutPieces::Vertex& v) const;
   void simplify(const Vec3& origin, Progress& progress);
-  /// As place(), but vertices stay where a triangle would turn.
+  /// As place_vertices(), but vertices stay where a triangle would turn.
   void place_again();
   PieceMesh piece_mesh() const;
   /// Mesh of the triangles that have one of the vertices `near`, or of all.

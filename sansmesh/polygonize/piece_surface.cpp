@@ -98,7 +98,7 @@ TriangleMesh simple_mesh(PieceMesher& mesher, const Vec3& origin, double toleran
   mesher.spread_room();
   mesher.name_pieces();
   const CutPieces linear = mesh;  // free of self-intersections
-  mesher.place();
+  mesher.place_vertices();
   const std::vector<std::uint8_t> narrow = mesher.narrow();
   mesher.take_back(linear, origin, tolerance, &narrow);
   CutPieces placed = mesh;

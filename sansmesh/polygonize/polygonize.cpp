@@ -112,7 +112,7 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   if (!(options.simplify >= 0)) throw ArgumentError("polygonize: `simplify` must be a length of at least 0");
   progress.begin("balance blocks");
   blocks.balance();
-  const ScalarField& place = options.placement ? *options.placement : field;
+  const ScalarField& placement = options.placement ? *options.placement : field;
   const Box3 cube = blocks.bounds();
   RawSurface raw = extract(field, std::move(blocks), origin, options, progress);
 
@@ -131,7 +131,7 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   std::vector<double> f(n);
   parallel_for(0, n, 8192, [&](std::size_t i) { x[i] = origin + Vec3(mesh.vertices[i]); });
   const auto to_surface = [&] {
-    place.evaluate(x, f, g);
+    placement.evaluate(x, f, g);
     parallel_for(0, n, 4096, [&](std::size_t i) {
       const double slope2 = squared_norm(g[i]);
       if (options.root_steps > 0 && slope2 > 1e-4 && !on_cap[i]) {
@@ -148,15 +148,15 @@ TriangleMesh polygonize(const ScalarField& field, BlockTree blocks, const Vec3& 
   if (options.smoothing_rounds > 0)
     smooth_tangentially(mesh.triangles, corners, mesh.normals, options.smoothing_rounds, x);
   to_surface();
-  if (options.creases) snap_to_creases(place, mesh.triangles, corners, mesh.normals, x);
+  if (options.creases) snap_to_creases(placement, mesh.triangles, corners, mesh.normals, x);
   if (options.domain) {
     cut_off(*options.domain, on_cap, mesh, x);
     corners = VertexCorners(mesh.triangles, mesh.vertices.size());
   }
   if (simplified(options, mesh, x, progress)) {
-    place_again(place, options, mesh, x);
+    place_again(placement, options, mesh, x);
   } else if (options.balance) {
-    balance_gaps(place, mesh.triangles, corners, mesh.normals, x);
+    balance_gaps(placement, mesh.triangles, corners, mesh.normals, x);
   }
   parallel_for(0, x.size(), 4096, [&](std::size_t i) {
     for (std::size_t k = 0; k < 3; ++k) x[i][k] = std::clamp(x[i][k], cube.lower[k], cube.upper[k]);

@@ -93,8 +93,8 @@ class SurfaceWalk {
         most[static_cast<std::size_t>(level[v])] =
             std::max(most[static_cast<std::size_t>(level[v])], std::abs(values_[v]));
     std::vector<double> f(n);
-    std::vector<Vec3> g(n), target = places_;
-    field_.evaluate(places_, f, g);
+    std::vector<Vec3> g(n), target = positions_;
+    field_.evaluate(positions_, f, g);
     parallel_for(0, n, 4096, [&](std::size_t v) {
       const double slope = norm(g[v]);
       if (level[v] < 0 || !(slope > 0) || on_cube_face(points_[v])) return;
@@ -107,14 +107,14 @@ class SurfaceWalk {
     field_.evaluate(target, f);
     std::vector<std::uint8_t> moves(n, 0);
     for (std::size_t v = 0; v < n; ++v) {
-      if (target[v] == places_[v]) continue;
+      if (target[v] == positions_[v]) continue;
       moves[v] = (f[v] < 0) == (values_[v] < 0);
       r.held += !moves[v];
     }
     hold_turned(target, moves, r);
     for (std::size_t v = 0; v < n; ++v) {
       if (!moves[v]) continue;
-      places_[v] = target[v];
+      positions_[v] = target[v];
       values_[v] = f[v];
       ++r.moved;
     }
@@ -129,7 +129,7 @@ class SurfaceWalk {
       const auto [it, fresh] = vertex.try_emplace(std::uint64_t{in} << 32 | out, static_cast<std::uint32_t>(x.size()));
       if (fresh) {
         const double t = values_[in] / (values_[in] - values_[out]);
-        x.push_back(places_[in] + (places_[out] - places_[in]) * t);
+        x.push_back(positions_[in] + (positions_[out] - positions_[in]) * t);
       }
       return it->second;
     };
@@ -152,10 +152,10 @@ class SurfaceWalk {
  private:
   /// Values are positive on the cube's faces, which closes the mesh.
   void evaluate_from(std::size_t first) {
-    places_.resize(points_.size());
+    positions_.resize(points_.size());
     values_.resize(points_.size());
-    parallel_for(first, points_.size(), 8192, [&](std::size_t i) { places_[i] = view_.position(points_[i]); });
-    field_.evaluate(std::span(places_).subspan(first), std::span(values_).subspan(first));
+    parallel_for(first, points_.size(), 8192, [&](std::size_t i) { positions_[i] = view_.position(points_[i]); });
+    field_.evaluate(std::span(positions_).subspan(first), std::span(values_).subspan(first));
     parallel_for(first, points_.size(), 8192, [&](std::size_t i) {
       if (values_[i] < 0 && on_cube_face(points_[i])) values_[i] = -values_[i];
     });
@@ -167,9 +167,9 @@ class SurfaceWalk {
     for (bool changed = true; changed;) {
       changed = false;
       std::vector<std::uint8_t> hold(moves.size(), 0);
-      const auto at = [&](std::uint32_t v) { return moves[v] ? target[v] : places_[v]; };
+      const auto at = [&](std::uint32_t v) { return moves[v] ? target[v] : positions_[v]; };
       for (const Corners& c : corners_) {
-        const double was = volume(places_[c[0]], places_[c[1]], places_[c[2]], places_[c[3]]),
+        const double was = volume(positions_[c[0]], positions_[c[1]], positions_[c[2]], positions_[c[3]]),
                      is = volume(at(c[0]), at(c[1]), at(c[2]), at(c[3]));
         if (is * was > 0) continue;
         for (const std::uint32_t v : c) hold[v] = 1;
@@ -203,7 +203,7 @@ class SurfaceWalk {
   std::vector<Tuple> simplices_;  ///< crossing simplices
   std::vector<Corners> corners_;  ///< corners of each simplex
   std::vector<LatticeVertex<3>> points_;
-  std::vector<Vec3> places_;
+  std::vector<Vec3> positions_;
   std::vector<double> values_;
 };
 

@@ -83,7 +83,7 @@ TEST_F(DeformCutTool, SolidsCloudsAndVolumes) {
 TEST_F(DeformCutTool, BadCutsAreNamed) {
   const std::vector<std::pair<std::string, std::string>> bad = {
       {"half-plane(0,0,0; 0,0,1)", "a half-plane is a point of its edge"},
-      {"half-plane(0,0,0; 0,0,1; 0,0,2)", "not along its normal"},
+      {"half-plane(0,0,0; 0,0,1; 0,0,2)", "neither along the normal"},
       {"half-plane(0,0,0; 0,0,one; 1,0,2)", "'0,0,one' is not x,y,z"},
       {"polygon(0,0,0; 1,0,0)", "at least three are needed"},
       {"polygon(0,0; 1,0,0)", "is not x,y,z"},

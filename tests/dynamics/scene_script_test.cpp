@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "sansmesh/dynamics/recommended_options.h"
 #include "sansmesh/dynamics/soft_body.h"
-#include "sansmesh/dynamics/suited_options.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/error.h"
 
@@ -96,7 +96,7 @@ TEST(SceneScript, ForcesHandlesAndObstacles) {
   EXPECT_EQ(script.scene.floors[0].friction, 0.5);
   EXPECT_EQ(script.scene.spheres.at(0).friction, 0);
 
-  const SoftBodyOptions o = suited_options(script, s.mesh);
+  const SoftBodyOptions o = recommended_options(script, s.mesh);
   EXPECT_EQ(o.gravity, (Vec3{0, 0, -1.62}));
   EXPECT_EQ(o.young, 2e5);
   EXPECT_EQ(o.density, 900);
@@ -127,7 +127,7 @@ TEST(SceneScript, WrongOnesAreToldByTheirPlace) {
       {"{\"fixed\": {\"side\": \"left\"}}", "fixed: 'side' must be -x"},
       {"{\"fixed\": {}}", "fixed: selects nothing"},
       {"{\"fixed\": [{\"ball\": {\"center\": [9, 9, 9], \"radius\": 1}}]}", "fixed 1: no vertex is there"},
-      {"{\"forces\": [{\"on\": [10]}]}", "forces 1: either 'force'"},
+      {"{\"forces\": [{\"on\": [10]}]}", "forces 1: give either 'force'"},
       {"{\"forces\": [{\"on\": [10], \"force\": [1, 2]}]}", "forces 1: 'force' must be three numbers"},
       {"{\"forces\": {\"on\": [99], \"force\": [1, 2, 0]}}", "forces.on: there is no vertex 99"},
       {"{\"handles\": {\"on\": [10]}}", "handles: 'keys', 'move' or 'turn' is missing"},
@@ -144,7 +144,7 @@ TEST(SceneScript, WrongOnesAreToldByTheirPlace) {
       {"{\"halvings\": 99}", "'halvings' must lie in 0..20"},
       {"{\"fixed\": [10, 11], \"handles\": [{\"on\": [12], \"move\": [1, 0, 0]}, {\"on\": [11], \"move\": [1, 0, 0]}]}",
        "handles 2.on: the vertex at (1, 0, 0) is fixed or pulled already"},
-      {"{\"floor\": {}}", "floor: either 'point' or 'height'"},
+      {"{\"floor\": {}}", "floor: give either 'point' or 'height'"},
       {"{\"spheres\": [{\"center\": [0, 0, 0], \"radius\": -1}]}", "spheres 1: 'radius' must be above 0"},
   };
   for (const auto& [text, part] : cases)
@@ -158,7 +158,7 @@ TEST(SceneScript, WhatIsNotSaidSuitsTheBody) {
     Stage s;
     s.mesh = box_of_tets({0, 0, 0}, Vec3{2, 1, 1} * size, 4, 2, 2);
     SceneScript script = s.parse(text);
-    const SoftBodyOptions o = suited_options(script, s.mesh);
+    const SoftBodyOptions o = recommended_options(script, s.mesh);
     SoftBody body(s.mesh, o, script.scene);
     body.advance(2 * std::sqrt(size));
     double most = 0;
@@ -189,7 +189,7 @@ TEST(SceneScript, UnitsThatNobodySaysFollowTheSize) {
   Stage s;
   const auto unit = [&](double size, const char* text) {
     s.mesh = box_of_tets({0, 0, 0}, Vec3{2, 1, 1} * size, 2, 1, 1);
-    return suited_unit(s.parse(text), s.mesh);
+    return recommended_unit(s.parse(text), s.mesh);
   };
   EXPECT_EQ(unit(0.01, "{}"), 1);
   EXPECT_EQ(unit(5, "{}"), 1);
@@ -222,7 +222,7 @@ TEST(SceneScript, AutomaticStepsOfExplicitMethodsGainNoEnergy) {
     const std::string what =
         std::string("{") + c.rest + "\"fixed\": {\"side\": \"-x\"}, \"integrator\": \"" + c.integrator + "\"}";
     const SceneScript script = s.parse(what);
-    const SoftBodyOptions o = suited_options(script, s.mesh);
+    const SoftBodyOptions o = recommended_options(script, s.mesh);
     SoftBody body(s.mesh, o, script.scene);
     const double first = body.energies().total();
     // Energy scale: the weight times the body's height.
@@ -238,7 +238,7 @@ TEST(SceneScript, AutomaticStepsOfExplicitMethodsGainNoEnergy) {
   for (const char* text : {R"({"integrator": "explicit-euler", "damping": 0})",
                            R"({"integrator": "explicit-euler", "young": 1e5, "stiffness_damping": 0})"}) {
     try {
-      suited_options(s.parse(text), s.mesh);
+      recommended_options(s.parse(text), s.mesh);
       ADD_FAILURE() << text;
     } catch (const ArgumentError& e) {
       EXPECT_NE(std::string(e.what()).find("explicit-euler is unstable"), std::string::npos) << e.what();

@@ -48,7 +48,6 @@ TEST(FlowSurface, RotationSweepsADiscAndReturns) {
   EXPECT_EQ(disc.report.fronts, by_front.size());
 }
 
-/// (x, y) -> (x eᵗ, y e⁻ᵗ).
 /// Edges are at most as long as the largest gap plus the largest step plus the lag of slow particles.
 void expect_short_edges(const FlowSurface& surface) {
   for (const Triangle& t : surface.mesh.triangles)
@@ -62,6 +61,7 @@ void expect_short_edges(const FlowSurface& surface) {
     }
 }
 
+/// The flow moves (x, y) to (x eᵗ, y e⁻ᵗ).
 TEST(FlowSurface, SaddleStretchesAndGapsAreFilled) {
   FlowSurfaceOptions options = surface_for(3, 33);
   options.trace.tolerance = 1e-9;

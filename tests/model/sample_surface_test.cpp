@@ -64,10 +64,10 @@ double variation(const PointSet& cloud) {
 
 double spacing_of_sphere(std::size_t n) { return std::sqrt(4 * std::numbers::pi / static_cast<double>(n)); }
 
-TEST(SuitedSurface, LeavesTheLeastError) {
+TEST(RecommendedSurface, LeavesTheLeastError) {
   const auto suited = [](const PointSet& cloud) {
     Progress progress;
-    return make_suited_surface(prepare_cloud(cloud, {}, progress), progress);
+    return make_recommended_surface(prepare_cloud(cloud, {}, progress), progress);
   };
   EXPECT_EQ(suited(test::sphere(6000, 0.03)).report().method, "partition");
   // Samples on a grid, too sparse for the waves: the detail that the partition smooths away is not noise.

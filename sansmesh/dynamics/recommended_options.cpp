@@ -1,4 +1,4 @@
-#include "sansmesh/dynamics/suited_options.h"
+#include "sansmesh/dynamics/recommended_options.h"
 
 #include <fmt/core.h>
 
@@ -12,14 +12,14 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-constexpr double kSuitedStiffness = 25;   ///< Young's modulus over density × gravity × size
-constexpr double kSuitedDamping = 0.004;  ///< s, damping over stiffness
+constexpr double kRecommendedStiffness = 25;   ///< Young's modulus over density × gravity × size
+constexpr double kRecommendedDamping = 0.004;  ///< s, damping over stiffness
 /// Relative residual of conjugate gradients: half the time of 0.001, without visible difference.
-constexpr double kSuitedTolerance = 0.01;
-constexpr double kSuitedStep = 0.01;  ///< s, of implicit methods
-constexpr double kSafeStep = 0.5;     ///< fraction of the longest stable step
+constexpr double kRecommendedTolerance = 0.01;
+constexpr double kRecommendedStep = 0.01;  ///< s, of implicit methods
+constexpr double kSafeStep = 0.5;          ///< fraction of the longest stable step
 constexpr double kEarth = 9.81;
-constexpr double kLargestSuited = 20;  ///< m, for a body without a unit
+constexpr double kLargestRecommended = 20;  ///< m, for a body without a unit
 
 double mean_edge(const TetMesh& mesh) {
   double sum = 0;
@@ -31,16 +31,16 @@ double mean_edge(const TetMesh& mesh) {
 
 }  // namespace
 
-double suited_unit(const SceneScript& s, const TetMesh& mesh) {
+double recommended_unit(const SceneScript& s, const TetMesh& mesh) {
   if (s.unit) return *s.unit;
   if (s.stiffness || s.young || s.density || s.mass) return 1;
   const double size = bounds(mesh).diagonal();
   for (const double metres : {1.0, 0.01})
-    if (size * metres <= kLargestSuited) return metres;
+    if (size * metres <= kLargestRecommended) return metres;
   return 0.001;
 }
 
-SoftBodyOptions suited_options(const SceneScript& s, const TetMesh& mesh) {
+SoftBodyOptions recommended_options(const SceneScript& s, const TetMesh& mesh) {
   SoftBodyOptions o;
   const bool elastic = s.young || s.poisson;
   o.model = s.model.value_or(elastic ? SoftBodyModel::corotational : SoftBodyModel::springs);
@@ -49,7 +49,7 @@ SoftBodyOptions suited_options(const SceneScript& s, const TetMesh& mesh) {
   o.gravity = s.gravity.value_or(s.z_up.value_or(false) ? Vec3{0, 0, -down} : Vec3{0, -down, 0});
   o.density = s.density.value_or(o.density);
   o.total_mass = s.mass;
-  o.tolerance = s.tolerance.value_or(kSuitedTolerance);
+  o.tolerance = s.tolerance.value_or(kRecommendedTolerance);
   o.iterations = s.iterations.value_or(o.iterations);
   o.halvings = s.halvings.value_or(o.halvings);
 
@@ -57,14 +57,14 @@ SoftBodyOptions suited_options(const SceneScript& s, const TetMesh& mesh) {
   for (const Tet& t : mesh.tets) volume += tet_volume(t, mesh.vertices);
   const double density = s.mass && volume > 0 ? *s.mass / volume : o.density;
   const double pull = norm(o.gravity) > 0 ? norm(o.gravity) : kEarth;
-  const double young = kSuitedStiffness * density * pull * bounds(mesh).diagonal();
+  const double young = kRecommendedStiffness * density * pull * bounds(mesh).diagonal();
   o.young = s.young.value_or(young > 0 ? young : o.young);
   o.poisson = s.poisson.value_or(o.poisson);
   o.stiffness = s.stiffness.value_or(o.young * mean_edge(mesh));
-  o.damping = s.damping.value_or(kSuitedDamping * o.stiffness);
+  o.damping = s.damping.value_or(kRecommendedDamping * o.stiffness);
   o.mass_damping = s.mass_damping.value_or(o.mass_damping);
-  o.stiffness_damping = s.stiffness_damping.value_or(kSuitedDamping);
-  o.step = s.step.value_or(kSuitedStep);
+  o.stiffness_damping = s.stiffness_damping.value_or(kRecommendedDamping);
+  o.step = s.step.value_or(kRecommendedStep);
   if (!s.step && body_integrator(o.integrator).stable_step) {
     const double stable = stable_step(mesh, o, scaled(s.scene, s.unit.value_or(1)));
     if (!(stable > 0))
@@ -72,7 +72,7 @@ SoftBodyOptions suited_options(const SceneScript& s, const TetMesh& mesh) {
           fmt::format("{} is unstable for any step without damping, or with handles on springs: take "
                       "velocity-verlet, or more damping",
                       o.integrator));
-    o.step = std::min(kSuitedStep, kSafeStep * stable);
+    o.step = std::min(kRecommendedStep, kSafeStep * stable);
   }
   return o;
 }
