@@ -6,7 +6,6 @@
 #include <limits>
 #include <utility>
 
-#include "sansmesh/core/boxes.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/deform/displacement_map.h"
 #include "sansmesh/deform/folds.h"
@@ -50,7 +49,9 @@ Box3 with_room(const Box3& box, double share) {
 }
 
 void add_corners(const Box3& box, std::vector<Vec3>& places) {
-  for (int c = 0; c < 8; ++c) places.push_back(box_corner(box, c));
+  for (int c = 0; c < 8; ++c)
+    places.push_back(
+        {(c & 1 ? box.upper : box.lower).x, (c & 2 ? box.upper : box.lower).y, (c & 4 ? box.upper : box.lower).z});
 }
 
 void add_vertices(const TriangleMesh& mesh, std::vector<Vec3>& places) {
