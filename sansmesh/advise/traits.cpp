@@ -244,7 +244,7 @@ constexpr ReportRow kCloudTraitsRows[] = {
     reported<&CloudTraits::spacing>({.text = "Edge of the square that a sample stands for", .unit = "length"}),
     reported<&CloudTraits::noise>({.text = "Standard deviation of the samples off the surface", .unit = "length"}),
     reported<&CloudTraits::noise_known>({.text = "Whether noise and shape are distinguishable"}),
-    reported<&CloudTraits::most_noise>({.text = "The noise is no more than this", .unit = "length"}),
+    reported<&CloudTraits::most_noise>({.text = "Upper bound of the noise", .unit = "length"}),
     reported<&CloudTraits::step>({.text = "Steps of the coordinates, where they hide the noise", .unit = "length"}),
     reported<&CloudTraits::density_ratio>(
         {.text = "Local spacing: its 95 % quantile over its 5 % quantile", .unit = "factor"}),

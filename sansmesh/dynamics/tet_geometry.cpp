@@ -8,7 +8,6 @@
 #include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {

@@ -4,8 +4,6 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/core/edge_key.h"
-#include "sansmesh/core/index_in.h"
-#include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/triangles.h"
 #include "sansmesh/dynamics/tet_geometry.h"

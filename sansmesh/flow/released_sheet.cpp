@@ -10,7 +10,6 @@
 
 #include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/index_in.h"
-#include "sansmesh/data/triangles.h"
 #include "sansmesh/error.h"
 
 namespace sansmesh::inline v1 {

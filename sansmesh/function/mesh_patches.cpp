@@ -6,9 +6,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
-#include "sansmesh/data/triangles.h"
 #include "sansmesh/search/equal_positions.h"
 
 namespace sansmesh::inline v1 {

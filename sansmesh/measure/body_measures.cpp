@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sansmesh/core/edge_key.h"
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/data/group_rows.h"
@@ -192,7 +193,8 @@ constexpr ReportRow kBodyMeasuresRows[] = {
     reported<&BodyMeasures::triangles>({.text = "Triangles"}),
     reported<&BodyMeasures::closed>({.text = "Whether the triangles enclose a volume"}),
     reported<&BodyMeasures::boundary_edges>({.text = "Edges of one triangle"}),
-    reported<&BodyMeasures::open_edges>({.text = "Edges whose triangles do not cancel in direction"}),
+    reported<&BodyMeasures::open_edges>(
+        {.text = "Edges that triangles traverse more often in one direction than in the other"}),
     reported<&BodyMeasures::nonmanifold_edges>({.text = "Edges of three triangles or more"}),
     reported<&BodyMeasures::area>({.text = "Area", .unit = "length²"}),
     reported<&BodyMeasures::surface_center>({.text = "Mean of the surface's points", .unit = "length"}),

@@ -23,7 +23,7 @@ class Registry {
       for (const Entry& entry : some) add(entry);
   }
 
-  /// Throws ArgumentError for a missing or taken name, and for an entry whose function `make` is null.
+  /// Throws ArgumentError if the name is taken or empty, and for an entry whose function `make` is null.
   void add(Entry entry) {
     const std::lock_guard lock(mutex_);
     if (entry.name.empty()) throw ArgumentError("a " + kind_ + " needs a name");

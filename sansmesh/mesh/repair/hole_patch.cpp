@@ -10,7 +10,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "sansmesh/data/triangles.h"
+#include "sansmesh/core/edge_key.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {
