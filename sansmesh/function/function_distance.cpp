@@ -7,8 +7,8 @@
 
 #include "sansmesh/field/placed_field.h"
 #include "sansmesh/function/crease_edges.h"
+#include "sansmesh/function/mesh_field.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/function/mesh_solid.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/mesh_options.h"
 
