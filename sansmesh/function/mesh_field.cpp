@@ -349,8 +349,7 @@ struct MeshField::Parts {
 };
 
 MeshField::MeshField(TriangleMesh mesh, const Options& options)
-    : parts_(std::make_unique<Parts>(std::move(mesh), options)) {}
-MeshField::~MeshField() = default;
+    : parts_(std::make_shared<Parts>(std::move(mesh), options)) {}
 
 Box3 MeshField::bounds() const {
   return {parts_->box.lower + parts_->mesh.origin, parts_->box.upper + parts_->mesh.origin};

@@ -29,7 +29,6 @@ class MeshField final : public PiecewiseField {
 
   /// Throws DataError if there is no triangle.
   MeshField(TriangleMesh mesh, const Options& options);
-  ~MeshField() override;
 
   Box3 bounds() const override;
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
@@ -44,7 +43,7 @@ class MeshField final : public PiecewiseField {
   struct Parts;
 
  private:
-  std::unique_ptr<const Parts> parts_;
+  std::shared_ptr<const Parts> parts_;
 };
 
 }  // namespace sansmesh::inline v1

@@ -139,16 +139,16 @@ double diffusion_function(const ProjectionKernel& kernel, double curvature, doub
 
 Foot project(const ProjectionKernel& kernel, std::span<const WeighedSample> samples, const Vec3& r) {
   MeanPlane plane = mean_plane(samples, r);
-  if (kernel.formula == ProjectionFormula::curvature) {
+  if (kernel.method == ProjectionMethod::curvature) {
     const Vec3 n = plane.normal;
     const Vec3 q = r + n * dot(n, plane.mean - r);
-    const Vec3 p = diffuse(samples, kernel, q, n, plane.width, kernel.flow == ProjectionFlow::normal);
+    const Vec3 p = diffuse(samples, kernel, q, n, plane.width, kernel.flow == SurfaceFlow::normal);
     const Vec3 chi = fit_directional_curvatures(samples, p, n, kernel.tau, plane.width);
     return {p, n, chi.x + chi.y, chi.z, chi.x - chi.y};
   }
   Vec3 n = least_squares_normal(plane);
   double t = dot(n, plane.mean - r);
-  if (kernel.formula == ProjectionFormula::levin) {
+  if (kernel.method == ProjectionMethod::levin) {
     for (int k = 0; k < kIteratedSteps; ++k) {
       const MeanPlane next = mean_plane(samples, r + n * t);
       if (!(next.weights > 0)) break;

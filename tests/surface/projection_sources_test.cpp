@@ -16,10 +16,10 @@ namespace sansmesh::inline v1 {
 namespace {
 
 using detail::WeighedSample;
-using Plane = ProjectionOptions::Plane;
-using Polynomial = ProjectionOptions::Polynomial;
-using Flow = ProjectionOptions::Flow;
-using Diffusion = ProjectionOptions::Diffusion;
+using Plane = SurfacePlane;
+using Polynomial = SurfacePolynomial;
+using Flow = SurfaceFlow;
+using Diffusion = SurfaceDiffusion;
 
 constexpr double kWidePlanes = 1.6;
 
