@@ -175,18 +175,18 @@ HWY_INLINE void Laguerre(const V& r, V& value, V& derivative) {
 /// Sum of the generating functions over a plane, relative to the Gaussians alone.
 constexpr float LaguerreMean(int order) { return order == 2 ? 1.0f : order == 4 ? 1.5f : 1.875f; }
 
-/// Adds a sample's share that belongs to another sheet.
-HWY_INLINE void AddMul(Lanes& sum, const V& weight, float x, float y, float z) {
+HWY_INLINE void AddScaled(Lanes& sum, const V& weight, float x, float y, float z) {
   sum.x = pn::MulAdd(weight, Constant(x), sum.x);
   sum.y = pn::MulAdd(weight, Constant(y), sum.y);
   sum.z = pn::MulAdd(weight, Constant(z), sum.z);
 }
+/// Adds a sample's share that belongs to another sheet.
 HWY_INLINE void AddSample(const Candidate& c, const V& rest, const V& own, OtherSheet& other) {
   other.w = hn::Add(other.w, rest);
   other.plane = pn::MulAdd(rest, Constant(c.plane), other.plane);
-  AddMul(other.x, rest, c.x, c.y, c.z);
-  AddMul(other.n, rest, c.nx, c.ny, c.nz);
-  AddMul(other.own, own, c.x, c.y, c.z);
+  AddScaled(other.x, rest, c.x, c.y, c.z);
+  AddScaled(other.n, rest, c.nx, c.ny, c.nz);
+  AddScaled(other.own, own, c.x, c.y, c.z);
 }
 
 /// Tangent plane of the nearest sample (hoppe1992).
