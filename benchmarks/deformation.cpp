@@ -26,7 +26,7 @@
 #include "sansmesh/deform/mls_deformation.h"
 #include "sansmesh/deform/rotation_fit.h"
 #include "sansmesh/io.h"
-#include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/mesh/edit/deformed_mesh.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/render_options.h"

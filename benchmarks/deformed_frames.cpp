@@ -25,11 +25,11 @@
 #include "sansmesh/deform/mls_deformation.h"
 #include "sansmesh/field/deformed_volume.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/read_volume.h"
-#include "sansmesh/render/baked_volume.h"
-#include "sansmesh/render/transfer_presets.h"
-#include "sansmesh/render/value_histogram.h"
-#include "sansmesh/render/volume_picture.h"
+#include "sansmesh/io/grids/read_volume.h"
+#include "sansmesh/render/volume/baked_volume.h"
+#include "sansmesh/render/volume/transfer_presets.h"
+#include "sansmesh/render/volume/value_histogram.h"
+#include "sansmesh/render/volume/volume_picture.h"
 
 namespace {
 

@@ -17,7 +17,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/flow/flow_surface.h"
 #include "sansmesh/flow_options.h"
-#include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/render/surface/picture_surfaces.h"
 
 namespace {
 

@@ -27,9 +27,9 @@
 #include "sansmesh/flow/flow_surface.h"
 #include "sansmesh/flow/trace.h"
 #include "sansmesh/flow_options.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/grid/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 
 namespace {

@@ -64,8 +64,8 @@ void run(const std::string& file, int rounds) {
   for (const Support& s : data.supports) distance.push_back(norm(s.foot - middle));
   std::nth_element(distance.begin(), distance.begin() + static_cast<std::ptrdiff_t>(supports / 200), distance.end());
   Edit edit;
-  edit.select.ball = {function.place.to_input(data.origin + Vec3(middle)),
-                      function.place.to_input(static_cast<double>(distance[supports / 200]))};
+  edit.select.ball = {function.frame.to_input(data.origin + Vec3(middle)),
+                      function.frame.to_input(static_cast<double>(distance[supports / 200]))};
   const Trial trials[] = {{"degree 1", SetDegree{1}},
                           {"refit, wide supports", Refit{{}, {}, {}, 1.9, {}}},
                           {"set to outside", SetConstant{1}},

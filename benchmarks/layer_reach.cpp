@@ -23,12 +23,12 @@
 
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/dataset/volume_surface.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
 #include "sansmesh/surface/layer_projection.h"
-#include "sansmesh/volume/sample_slopes.h"
-#include "sansmesh/volume/volume_values.h"
+#include "sansmesh/volume/grid/volume_values.h"
+#include "sansmesh/volume/samples/sample_slopes.h"
 
 namespace {
 

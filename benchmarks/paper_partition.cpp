@@ -18,10 +18,10 @@
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/io.h"
-#include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/progress.h"
 

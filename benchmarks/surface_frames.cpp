@@ -16,8 +16,8 @@
 #include "sansmesh/io.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/points/sample_faces.h"
-#include "sansmesh/render/surface_caster.h"
-#include "sansmesh/render/surface_picture.h"
+#include "sansmesh/render/surface/surface_caster.h"
+#include "sansmesh/render/surface/surface_picture.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -24,7 +24,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/grid/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "thesis_functions.h"
 #include "volume/volume_grids.h"

@@ -26,11 +26,11 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/cells/volume_locator.h"
+#include "sansmesh/volume/grid/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
-#include "sansmesh/volume/volume_locator.h"
 #include "thesis_functions.h"
 #include "volume/volume_grids.h"
 #include "volume/volume_places.h"

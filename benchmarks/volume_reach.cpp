@@ -23,12 +23,12 @@
 
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/error.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/render/baked_volume.h"
-#include "sansmesh/render/volume_picture.h"
-#include "sansmesh/volume/volume_boundary.h"
-#include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/render/volume/baked_volume.h"
+#include "sansmesh/render/volume/volume_picture.h"
+#include "sansmesh/volume/cells/volume_locator.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 
 namespace {
 

@@ -68,7 +68,7 @@ function(sansmesh_instrument_lightly target)
 endfunction()
 
 # Where several sources make a unit (CMAKE_UNITY_BUILD: half the time, but more to compile again after a change): units
-# of at most 16 sources of one folder, 8 of tests, so that names in unnamed namespaces only have to differ within a folder.
+# of at most 16 sources of one room, 8 of tests, so that names in unnamed namespaces only have to differ within a room.
 function(sansmesh_group_sources target)
   if(NOT CMAKE_UNITY_BUILD)
     return()
@@ -82,48 +82,13 @@ function(sansmesh_group_sources target)
   foreach(source IN LISTS sources)
     get_source_file_property(alone ${source} TARGET_DIRECTORY ${target} SKIP_UNITY_BUILD_INCLUSION)
     if(NOT alone)
-      get_filename_component(folder ${source} DIRECTORY)
-      get_filename_component(room "${folder}" NAME)
+      set(room "")
+      if(source MATCHES "^${PROJECT_SOURCE_DIR}/sansmesh/([^/]+)/")
+        set(room ${CMAKE_MATCH_1})
+      endif()
       math(EXPR count_of_${room} "0${count_of_${room}} + 1")
       math(EXPR group "(${count_of_${room}} - 1) / ${sources_of_unit}")
       set_property(SOURCE ${source} TARGET_DIRECTORY ${target} PROPERTY UNITY_GROUP "${room}${group}")
     endif()
-  endforeach()
-endfunction()
-
-# Defines LIST() of HEADER, the entries of a registry that the library has by itself: those of each SOURCE, in the given
-# order. With KINDS as the last word of LIST (own_volume_methods: methods), SOURCE.cpp has SOURCE_KINDS(), or SOURCE() if
-# its name ends so. They are named here so that no linker drops a source that nothing else calls.
-function(sansmesh_registry entry header list)
-  set(declared "")
-  set(called "")
-  string(REGEX REPLACE ".*_" "" kinds ${list})
-  foreach(source IN LISTS ARGN)
-    string(REGEX REPLACE "_${kinds}$" "" name ${source})
-    string(APPEND declared "std::span<const ${entry}> ${name}_${kinds}();\n")
-    string(APPEND called "\n          ${name}_${kinds}(),")
-    target_sources(sansmesh PRIVATE ${source}.cpp)
-  endforeach()
-  set(generated ${CMAKE_CURRENT_BINARY_DIR}/${list}.cpp)
-  file(CONFIGURE OUTPUT ${generated} @ONLY CONTENT
-"#include \"${header}\"
-
-namespace sansmesh::inline v1 {
-
-${declared}
-std::vector<std::span<const ${entry}>> ${list}() {
-  return {${called}};
-}
-
-}  // namespace sansmesh::inline v1
-")
-  target_sources(sansmesh PRIVATE ${generated})
-  set_source_files_properties(${generated} TARGET_DIRECTORY sansmesh PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
-endfunction()
-
-# Public headers of a room, include/sansmesh/NAME.h: installed, and read by scripts/check-includes.
-function(sansmesh_headers)
-  foreach(name IN LISTS ARGN)
-    set_property(GLOBAL APPEND PROPERTY SANSMESH_HEADERS ${PROJECT_SOURCE_DIR}/include/sansmesh/${name}.h)
   endforeach()
 endfunction()

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/io/assemble_points.h"
-#include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/io/points/assemble_points.h"
+#include "sansmesh/mesh/repair/sewn_mesh.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/model/surface_method.h"
 #include "sansmesh/points/cloud_shape.h"

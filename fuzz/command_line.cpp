@@ -5,11 +5,11 @@
 #include <string>
 #include <vector>
 
-#include "command_table.h"
-#include "flags.h"
-#include "help_text.h"
-#include "parse_line.h"
-#include "suggestions.h"
+#include "cli/line/command_table.h"
+#include "cli/line/flags.h"
+#include "cli/line/help_text.h"
+#include "cli/line/parse_line.h"
+#include "cli/line/suggestions.h"
 #include "target.h"
 
 using namespace sansmesh;

@@ -6,9 +6,9 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/io/adf_size.h"
-#include "sansmesh/io/netcdf_size.h"
-#include "sansmesh/io/volume_readers.h"
+#include "sansmesh/io/grids/adf_size.h"
+#include "sansmesh/io/grids/netcdf_size.h"
+#include "sansmesh/io/grids/volume_readers.h"
 #include "target.h"
 
 using namespace sansmesh;

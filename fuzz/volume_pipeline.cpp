@@ -11,8 +11,8 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/dataset/volume_dataset.h"
-#include "sansmesh/render/volume_picture.h"
-#include "sansmesh/volume/volume_boundary.h"
+#include "sansmesh/render/volume/volume_picture.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 #include "target.h"
 
 using namespace sansmesh;

@@ -7,18 +7,18 @@
 #include <utility>
 #include <vector>
 
-#include "command_table.h"
-#include "error_words.h"
-#include "flags.h"
-#include "help_text.h"
-#include "interrupt.h"
-#include "json.h"
-#include "parse_line.h"
+#include "cli/line/command_table.h"
+#include "cli/line/error_words.h"
+#include "cli/line/flags.h"
+#include "cli/line/help_text.h"
+#include "cli/line/parse_line.h"
+#include "cli/line/suggestions.h"
+#include "cli/report/interrupt.h"
+#include "cli/report/json.h"
+#include "cli/report/standard_output.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/output_batch.h"
-#include "standard_output.h"
-#include "suggestions.h"
 
 namespace sansmesh::cli {
 namespace {

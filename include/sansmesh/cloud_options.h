@@ -58,7 +58,7 @@ enum class NormalUse {
 };
 
 /// What is done to the samples before any method.
-struct SANSMESH_API CloudUse {
+struct SANSMESH_API CloudPreparation {
   FaceUse faces = FaceUse::automatic;        ///< of meshes: what the samples are
   NormalUse normals = NormalUse::automatic;  ///< what is done about given normals
   /// From what normals that need it get their signs. Other than automatic: given ones get them anew, too, and DataError

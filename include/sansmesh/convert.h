@@ -12,9 +12,9 @@
 
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
-#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/report.h"

@@ -28,8 +28,8 @@ namespace sansmesh::inline v1 {
 
 /// Options of preparation and fit.
 struct FitFunctionOptions {
-  CloudUse cloud = {};  ///< done to the samples first
-  FitOptions fit = {};  ///< of the function
+  CloudPreparation cloud = {};  ///< done to the samples first
+  FitOptions fit = {};          ///< of the function
 
   /// The rows of its parts.
   static const OptionSchema& schema();

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sansmesh/api.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/option.h"
-#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/report.h"

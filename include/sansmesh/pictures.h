@@ -53,7 +53,7 @@ struct SANSMESH_API PictureOptions {
   SurfaceRenderOptions look = {};
   /// Of one cloud: rays are cast at this surface of the samples.
   std::optional<SurfaceOptions> surface = {};
-  CloudUse cloud = {};  ///< how the samples of that are prepared
+  CloudPreparation cloud = {};  ///< how the samples of that are prepared
   /// An attribute, of vectors its length; of a surface without a mesh "mean", "gaussian", "k1" or "k2" curvature;
   /// "confidence". Of one object only. Default: the colours that it has.
   std::string color_by = {};

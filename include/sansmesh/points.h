@@ -159,7 +159,7 @@ struct SANSMESH_API ProjectOptions {
   ProjectToSurface steps = {};  ///< how points move onto a surface
   LopOptions lop = {};          ///< its `points` follow from `point_count`
   SurfaceOptions surface = {};  ///< its method follows from `method`
-  CloudUse cloud = {};          ///< of the samples
+  CloudPreparation cloud = {};  ///< of the samples
 
   /// All but those of `surface` and `cloud`.
   static const OptionSchema& schema();  ///< a row a field

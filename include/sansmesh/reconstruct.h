@@ -21,9 +21,9 @@ namespace sansmesh::inline v1 {
 
 /// What to do to the samples, how to fit and how to mesh.
 struct SANSMESH_API ReconstructOptions {
-  CloudUse cloud = {};    ///< done to the samples first
-  FitOptions fit = {};    ///< of the adaptive partition of unity
-  MeshOptions mesh = {};  ///< of the surface's mesh
+  CloudPreparation cloud = {};  ///< done to the samples first
+  FitOptions fit = {};          ///< of the adaptive partition of unity
+  MeshOptions mesh = {};        ///< of the surface's mesh
   /// Another surface than the adaptive partition of unity uses none of `fit` but what it has itself (`error`, `depth`).
   /// It is cut where it leaves its domain of definition: not closed where the samples have borders.
   SurfaceOptions surface = {.method = std::string(kPartitionSurface)};

@@ -13,8 +13,8 @@
 #include "sansmesh/api.h"
 #include "sansmesh/box.h"
 #include "sansmesh/image.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/option.h"
-#include "sansmesh/placement.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/report.h"
 #include "sansmesh/triangle_mesh.h"
@@ -106,7 +106,7 @@ struct SANSMESH_API PictureLook {
   /// by the cosine to the normal, times a factor for whether it is bent outwards or inwards (Miller 1994). What is
   /// farther away than this, over the diagonal, hides nothing: 1e-6..10.
   std::optional<double> accessibility = {};
-  double bend_light = 0.3;  ///< most that the factor differs from 1, 0..1; 0: only what is hidden counts
+  double curvature_shading = 0.3;  ///< most that the factor differs from 1, 0..1; 0: only what is hidden counts
   /// In the coordinates of what is drawn; null: no ridges, valleys and bends. Jobs find it where it is needed.
   std::shared_ptr<const CurvatureField> curvature = nullptr;
   bool smooth = true;   ///< interpolate normals over the triangles, except across creases
@@ -151,7 +151,7 @@ struct SANSMESH_API RenderOptions {
 };
 
 /// The view's places and lengths, given in coordinates of the input, in those of a placement.
-SANSMESH_API void move_from_input(RenderOptions& options, const Placement& place);
+SANSMESH_API void move_from_input(RenderOptions& options, const LocalFrame& frame);
 
 /// Pictures of surfaces without a mesh.
 struct SANSMESH_API SurfaceRenderOptions {

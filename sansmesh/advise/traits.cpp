@@ -11,17 +11,17 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function/fitted_function.h"
-#include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/mesh/repair/sewn_mesh.h"
 #include "sansmesh/points/denoise_normals.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/given_normals.h"
-#include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/neighbourhood_sample.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/orientation.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/prepare_cloud.h"
+#include "sansmesh/points/principal_axes.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/triangle_mesh.h"
 
@@ -156,10 +156,10 @@ double line_length(double share_of_samples, double width_over_radius, const Clou
   return share_of_samples * static_cast<double>(t.samples) * t.spacing / (width_over_radius * radius * t.diagonal);
 }
 
-void measure_creases(const PointSet& points, CloudTraits& traits, const Placement& place) {
+void measure_creases(const PointSet& points, CloudTraits& traits, const LocalFrame& frame) {
   traits.creases_known = traits.noise_ratio() < kHidingNoise;
   if (!traits.creases_known) return;
-  const double spacing = place.from_input(traits.spacing), noise = place.from_input(traits.noise);
+  const double spacing = frame.from_input(traits.spacing), noise = frame.from_input(traits.noise);
   const int blur = choose_neighbours(spacing, noise);
   const std::size_t size = std::max<std::size_t>(5 * static_cast<std::size_t>(blur), 90);
   const std::vector<Neighbourhood> patches =
@@ -216,20 +216,20 @@ CloudTraits measure_traits(PointSet given, Progress& progress, std::vector<std::
 
   progress.begin("measure");
   const Vec3f size = bounds(points).size();
-  traits.diagonal = cloud.place.to_input(static_cast<double>(norm(size)));
-  traits.spacing = cloud.place.to_input(estimate_spacing(points));
+  traits.diagonal = cloud.frame.to_input(static_cast<double>(norm(size)));
+  traits.spacing = cloud.frame.to_input(estimate_spacing(points));
   const NoiseEstimate estimate = measure_noise(points);
   const double noise = estimate.deviation;
-  traits.noise = cloud.place.to_input(noise);
-  traits.most_noise = cloud.place.to_input(estimate.most);
+  traits.noise = cloud.frame.to_input(noise);
+  traits.most_noise = cloud.frame.to_input(estimate.most);
   traits.noise_known = estimate.known;
-  traits.step = cloud.place.to_input(estimate.step);
+  traits.step = cloud.frame.to_input(estimate.step);
   measure_density(points, traits);
   progress.begin("check normals");
   traits.orientation = measure_orientation(points, noise);
   traits.normals = traits.orientation.check;
   progress.begin("creases and borders");
-  measure_creases(points, traits, cloud.place);
+  measure_creases(points, traits, cloud.frame);
   measure_borders(points, traits);
   measure_openness(std::move(points), traits, progress);
   progress.finish();

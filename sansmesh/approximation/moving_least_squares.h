@@ -28,7 +28,7 @@ struct MovingLeastSquaresOptions {
 };
 
 /// M f(x) = p_x(x), where p_x is the polynomial that minimises Σ_i w_i(x) (f_i − p(x_i))². Radii belong to the samples,
-/// w_i(x) = w(‖x − x_i‖ / radius_i), hence M f is as smooth as w even if the radius varies. It reproduces polynomials
+/// w_i(x) = w(‖x − x_i‖ / radius_i), so M f is as smooth as w even if the radius varies. It reproduces polynomials
 /// of its degree.
 ///
 /// If fewer samples have a weight than there are monomials, the degree is lowered to the highest with no more monomials

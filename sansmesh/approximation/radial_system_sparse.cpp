@@ -97,7 +97,7 @@ Rows build_rows(std::size_t n, Fill&& fill) {
   return rows;
 }
 
-// Eigen code is independent of the dimension and slow to compile, hence outside the templates.
+// Eigen code is independent of the dimension and slow to compile, so outside the templates.
 
 using Local = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kFactorNeighbours + 1, kFactorNeighbours + 1>;
 using LocalRow = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kFactorNeighbours + 1, 1>;

@@ -108,9 +108,9 @@ void GroupNode::build_clusters() {
   }
 }
 
-// Excluded members exceed the smallest value by more than the rounding errors of both. Hence members that are exactly
-// equal to the smallest value are always evaluated, and the first of them is active, independent of the number of
-// points.
+// Excluded members exceed the smallest value by more than the rounding errors of both. Therefore members that are
+// exactly equal to the smallest value are always evaluated, and the first of them is active, independent of the number
+// of points.
 
 std::vector<GroupNode::Near> GroupNode::candidates(std::span<const Vec3> x, double room) const {
   const AroundPoints ball(x, *this);

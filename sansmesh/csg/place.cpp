@@ -227,7 +227,7 @@ Solid mirror(const Solid& a, const Vec3& normal, double offset) {
   return placed(a, map);
 }
 
-Solid place(const Solid& a, const Placement& placement) {
+Solid place(const Solid& a, const LocalFrame& placement) {
   require_finite("place", "origin", placement.origin);
   require_positive("place", "unit", placement.unit);
   return placed(a, similarity_of(placement));

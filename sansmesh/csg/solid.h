@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "sansmesh/field/piecewise_field.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 
 namespace sansmesh::inline v1 {
 
@@ -101,7 +101,7 @@ Solid distance_leaf(std::shared_ptr<const ScalarField> field);
 // With `blend` = r > 0 the crease between the two surfaces becomes a smooth transition: with the values a and b of the
 // two, min(a, b) becomes (a + b)/2 − (r² + (a − b)²)/(4r) where |a − b| < r and stays min(a, b) elsewhere. The gradient
 // is continuous (if those of a and b are), its norm is at most the larger of both, the value changes by at most r/4,
-// and the surface changes only within r of both. Hence unions grow; intersections and differences shrink.
+// and the surface changes only within r of both. Therefore unions grow; intersections and differences shrink.
 
 Solid unite(const Solid& a, const Solid& b, double blend = 0);
 Solid intersect(const Solid& a, const Solid& b, double blend = 0);
@@ -131,7 +131,7 @@ Solid scale(const Solid& a, double factor, const Vec3& center = {});
 /// Reflection at the plane ⟨x, normal/‖normal‖⟩ = offset.
 Solid mirror(const Solid& a, const Vec3& normal, double offset = 0);
 /// Transforms a solid from local to world coordinates.
-Solid place(const Solid& a, const Placement& placement);
+Solid place(const Solid& a, const LocalFrame& placement);
 
 }  // namespace csg
 }  // namespace sansmesh::inline v1

@@ -1,4 +1,4 @@
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 
 #include <array>
 #include <cmath>

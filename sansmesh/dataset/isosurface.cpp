@@ -16,7 +16,7 @@
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/meshing/mesh_steps.h"
-#include "sansmesh/volume/volume_boundary.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -36,23 +36,23 @@ constexpr double kRounding = 1 + 1e-9;
 /// Half the diagonal of a block with edge 1.
 const double kHalfDiagonal = std::sqrt(0.75);
 
-Placement placement_of(const SampledVolume& volume) {
+LocalFrame frame_of(const SampledVolume& volume) {
   const Box3 box = volume.bounds();
-  return placement_for(box.center(), box.diagonal());
+  return frame_for(box.center(), box.diagonal());
 }
 
-Box3 own_bounds(const SampledVolume& volume, const Placement& place) { return place.from_input(volume.bounds()); }
+Box3 own_bounds(const SampledVolume& volume, const LocalFrame& frame) { return frame.from_input(volume.bounds()); }
 
 }  // namespace
 
 // ---- Domain ------------------------------------------------------------------------------------------------------
 
 struct VolumeDomain::Boundary {
-  Boundary(const SampledVolume& volume, const Placement& place) : locator(volume), mesh(boundary(volume, place)) {}
+  Boundary(const SampledVolume& volume, const LocalFrame& frame) : locator(volume), mesh(boundary(volume, frame)) {}
 
-  static TriangleMesh boundary(const SampledVolume& volume, const Placement& place) {
+  static TriangleMesh boundary(const SampledVolume& volume, const LocalFrame& frame) {
     TriangleMesh mesh = volume_boundary(volume);
-    move_from_input(mesh, place);
+    move_from_input(mesh, frame);
     return mesh;
   }
 
@@ -61,9 +61,9 @@ struct VolumeDomain::Boundary {
   MeshDistance distance{mesh};
 };
 
-VolumeDomain::VolumeDomain(const SampledVolume& volume, const Placement& place)
-    : volume_(volume), place_(place), bounds_(own_bounds(volume, place)) {
-  if (!volume.lattice) boundary_ = std::make_unique<const Boundary>(volume, place);
+VolumeDomain::VolumeDomain(const SampledVolume& volume, const LocalFrame& frame)
+    : volume_(volume), frame_(frame), bounds_(own_bounds(volume, frame)) {
+  if (!volume.lattice) boundary_ = std::make_unique<const Boundary>(volume, frame);
 }
 
 VolumeDomain::~VolumeDomain() = default;
@@ -72,7 +72,7 @@ void VolumeDomain::evaluate(std::span<const Vec3> x, std::span<double> values, s
   parallel_ranges(0, x.size(), 512, [&](std::size_t begin, std::size_t end) {
     const std::size_t n = end - begin;
     std::vector<Vec3> input(n);
-    for (std::size_t i = 0; i < n; ++i) input[i] = place_.to_input(x[begin + i]);
+    for (std::size_t i = 0; i < n; ++i) input[i] = frame_.to_input(x[begin + i]);
     if (!boundary_) {
       const Lattice& l = *volume_.lattice;
       for (std::size_t i = 0; i < n; ++i) {
@@ -83,7 +83,7 @@ void VolumeDomain::evaluate(std::span<const Vec3> x, std::span<double> values, s
           if (l.lower[k] - a[k] > most) most = l.lower[k] - a[k], towards = -l.directions[k];
           if (a[k] - l.upper[k] > most) most = a[k] - l.upper[k], towards = l.directions[k];
         }
-        values[begin + i] = place_.from_input(most);
+        values[begin + i] = frame_.from_input(most);
         if (!gradients.empty()) gradients[begin + i] = towards;
       }
       return;
@@ -108,7 +108,7 @@ void VolumeDomain::ranges(std::span<const Vec3> x, double radius, std::span<Valu
 void VolumeDomain::locate(std::span<const Vec3> x, std::span<std::uint8_t> inside) const {
   parallel_ranges(0, x.size(), 512, [&](std::size_t begin, std::size_t end) {
     std::vector<Vec3> input(end - begin);
-    for (std::size_t i = begin; i < end; ++i) input[i - begin] = place_.to_input(x[i]);
+    for (std::size_t i = begin; i < end; ++i) input[i - begin] = frame_.to_input(x[i]);
     if (!boundary_) {
       const Lattice& l = *volume_.lattice;
       for (std::size_t i = begin; i < end; ++i) {
@@ -131,10 +131,10 @@ Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_
                        const std::function<double(std::size_t)>& sample_value, double value)
     : volume_(std::move(volume)),
       field_(std::move(field)),
-      place_(placement_of(*volume_)),
+      frame_(frame_of(*volume_)),
       value_(value),
-      domain_(*volume_, place_),
-      ranges_(*volume_, sample_value, place_) {
+      domain_(*volume_, frame_),
+      ranges_(*volume_, sample_value, frame_) {
   if (!std::isfinite(value)) throw ArgumentError("`value` must be finite");
   std::vector<Vec3> places = ranges_.places_of(value);
   if (places.empty()) {
@@ -145,7 +145,7 @@ Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_
   }
   const std::size_t stride = 1 + places.size() / kSlopes;
   std::vector<Vec3> some;
-  for (std::size_t i = 0; i < places.size(); i += stride) some.push_back(place_.to_input(places[i]));
+  for (std::size_t i = 0; i < places.size(); i += stride) some.push_back(frame_.to_input(places[i]));
   std::vector<Vec3> gradients(some.size());
   field_->evaluate(some, {{}, gradients});
   std::vector<double> slopes;
@@ -154,12 +154,12 @@ Isosurface::Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_
   if (slopes.empty()) return;
   const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
   std::nth_element(slopes.begin(), middle, slopes.end());
-  slope_ = *middle * place_.unit;
+  slope_ = *middle * frame_.unit;
 }
 
 std::vector<Vec3> Isosurface::in_input(std::span<const Vec3> x) const {
   std::vector<Vec3> y(x.size());
-  for (std::size_t i = 0; i < x.size(); ++i) y[i] = place_.to_input(x[i]);
+  for (std::size_t i = 0; i < x.size(); ++i) y[i] = frame_.to_input(x[i]);
   return y;
 }
 
@@ -171,7 +171,7 @@ void Isosurface::evaluate_in_domain(std::span<const Vec3> x, std::span<double> v
                                     std::span<std::uint8_t> inside) const {
   field_->evaluate(in_input(x), {values, gradients, inside});
   for (double& v : values) v = (value_ - v) / slope_;
-  const double scale = -place_.unit / slope_;
+  const double scale = -frame_.unit / slope_;
   for (Vec3& g : gradients) g *= scale;
 }
 
@@ -190,7 +190,7 @@ void Isosurface::may_pass(std::span<const Vec3> x, double radius, std::span<std:
 
 void Isosurface::spacing(std::span<const Vec3> x, std::span<double> found) const {
   field_->spacing(in_input(x), found);
-  for (double& s : found) s = place_.from_input(s);
+  for (double& s : found) s = frame_.from_input(s);
 }
 
 // ---- Mesh --------------------------------------------------------------------------------------------------------
@@ -303,10 +303,10 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
   IsosurfaceReport local;
   IsosurfaceReport& r = report ? *report : local;
   r = {};
-  const Placement& place = surface.place();
+  const LocalFrame& frame = surface.frame();
   const double median = surface.median_spacing();
   std::optional<double> cell;
-  if (options.cell) cell = place.from_input(*options.cell);
+  if (options.cell) cell = frame.from_input(*options.cell);
 
   if (options.closed) {
     const std::shared_ptr<const Isosurface> borrowed(std::shared_ptr<const void>(), &surface);
@@ -315,8 +315,8 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
     csg.components = options.components;
     CsgMeshReport made;
     TriangleMesh mesh = mesh_csg(own_solid(borrowed), csg, progress, &made);
-    r.blocks = made.blocks, r.cell = place.to_input(made.cell), r.warnings = made.warnings;
-    move_to_input(mesh, place);
+    r.blocks = made.blocks, r.cell = frame.to_input(made.cell), r.warnings = made.warnings;
+    move_to_input(mesh, frame);
     measure_iso(mesh, r);
     return mesh;
   }
@@ -331,13 +331,13 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
   if (scale > 1)
     r.warnings.push_back(
         fmt::format("the surface is so large that blocks are {} times as wide as they should be", scale));
-  r.cell = place.to_input(blocks->edge() / static_cast<double>(1u << blocks->depth()));
+  r.cell = frame.to_input(blocks->edge() / static_cast<double>(1u << blocks->depth()));
 
   MeshOptions meshing;
   meshing.enhance = options.enhance, meshing.triangles = options.triangles;
-  if (options.mesh_error) meshing.mesh_error = place.from_input(*options.mesh_error);
+  if (options.mesh_error) meshing.mesh_error = frame.from_input(*options.mesh_error);
   const double mesh_error = meshing.mesh_error.value_or(kIsoError * median);
-  r.mesh_error = place.to_input(mesh_error);
+  r.mesh_error = frame.to_input(mesh_error);
   PolygonizeOptions polygonize = detail::meshing_options(meshing, mesh_error, false);
   polygonize.domain = &surface.domain();
   MeshReport made;
@@ -348,7 +348,7 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
   detail::choose_components(mesh, options.components, {}, 0, made);
   r.blocks = made.blocks;
   r.warnings.insert(r.warnings.end(), made.warnings.begin(), made.warnings.end());
-  move_to_input(mesh, place);
+  move_to_input(mesh, frame);
   measure_iso(mesh, r);
   if (options.triangles && mesh.triangles.size() > *options.triangles)
     r.warnings.push_back(counted(mesh.triangles.size(), "triangle") + " instead of " + grouped(*options.triangles) +
@@ -358,8 +358,8 @@ TriangleMesh mesh_isosurface(const Isosurface& surface, const IsosurfaceOptions&
 }
 
 Solid isosurface_solid(const std::shared_ptr<const Isosurface>& surface) {
-  const Placement place = surface->place();
-  return csg::place(own_solid(surface), place);
+  const LocalFrame frame = surface->frame();
+  return csg::place(own_solid(surface), frame);
 }
 
 namespace {

@@ -14,14 +14,14 @@
 #include "sansmesh/box.h"
 #include "sansmesh/csg/solid.h"
 #include "sansmesh/dataset/value_ranges.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/report.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/triangle_mesh.h"
 #include "sansmesh/triangulation/block_tree.h"
-#include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume/cells/volume_locator.h"
 #include "sansmesh/volume_field.h"
 #include "sansmesh/volume_options.h"
 
@@ -32,7 +32,7 @@ namespace sansmesh::inline v1 {
 class VolumeDomain : public ScalarField {
  public:
   /// What is passed must outlive it.
-  VolumeDomain(const SampledVolume& volume, const Placement& place);
+  VolumeDomain(const SampledVolume& volume, const LocalFrame& frame);
   ~VolumeDomain() override;
 
   Box3 bounds() const override { return bounds_; }
@@ -44,7 +44,7 @@ class VolumeDomain : public ScalarField {
  private:
   struct Boundary;
   const SampledVolume& volume_;
-  Placement place_;
+  LocalFrame frame_;
   Box3 bounds_;
   std::unique_ptr<const Boundary> boundary_;  ///< none of a lattice
 };
@@ -58,7 +58,7 @@ class Isosurface : public ScalarField {
   Isosurface(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeField> field,
              const std::function<double(std::size_t)>& sample_value, double value);
 
-  const Placement& place() const { return place_; }
+  const LocalFrame& frame() const { return frame_; }
   double value() const { return value_; }
   /// Whether the volume is more than a box, so that the surface ends at its boundary.
   bool has_boundary() const { return !volume_->lattice.has_value(); }
@@ -74,7 +74,7 @@ class Isosurface : public ScalarField {
   /// Whether the surface may pass within `radius` of each of x (1; else 0): as ranges() would tell, but quicker.
   void may_pass(std::span<const Vec3> x, double radius, std::span<std::uint8_t> answers) const;
   /// Distance between samples: on the median, and around x.
-  double median_spacing() const { return place_.from_input(volume_->facts.median_spacing); }
+  double median_spacing() const { return frame_.from_input(volume_->facts.median_spacing); }
   void spacing(std::span<const Vec3> x, std::span<double> found) const;
 
  private:
@@ -82,7 +82,7 @@ class Isosurface : public ScalarField {
 
   std::shared_ptr<const SampledVolume> volume_;
   std::shared_ptr<const VolumeField> field_;
-  Placement place_;
+  LocalFrame frame_;
   double value_, slope_ = 1;
   VolumeDomain domain_;
   ValueRanges ranges_;

@@ -32,24 +32,24 @@ std::vector<IsosurfaceStep> checked_steps(std::vector<IsosurfaceStep> steps) {
   return steps;
 }
 
-Placement placement_of_first(const std::vector<IsosurfaceStep>& steps) {
+LocalFrame frame_of_first(const std::vector<IsosurfaceStep>& steps) {
   const Box3 box = steps[0].volume->bounds();
-  return placement_for(box.center(), box.diagonal());
+  return frame_for(box.center(), box.diagonal());
 }
 
 }  // namespace
 
 IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double value)
     : steps_(checked_steps(std::move(steps))),
-      place_(placement_of_first(steps_)),
+      frame_(frame_of_first(steps_)),
       value_(value),
-      domain_(*steps_[0].volume, place_) {
+      domain_(*steps_[0].volume, frame_) {
   if (!std::isfinite(value)) throw ArgumentError("`value` must be finite");
   std::vector<double> slopes;
   ValueRange all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
   bool occurs = false;
   for (const IsosurfaceStep& step : steps_) {
-    ranges_.push_back(std::make_unique<const ValueRanges>(*step.volume, step.sample_value, place_));
+    ranges_.push_back(std::make_unique<const ValueRanges>(*step.volume, step.sample_value, frame_));
     const ValueRange around = ranges_.back()->around({}, 2);
     const double beyond = ValueRanges::kBeyond * (around.most - around.least) / (1 + 2 * ValueRanges::kBeyond);
     all = {std::min(all.least, around.least + beyond), std::max(all.most, around.most - beyond)};
@@ -57,7 +57,7 @@ IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double val
     occurs = occurs || !places.empty();
     std::vector<Vec3> some;
     for (std::size_t i = 0; i < places.size(); i += 1 + places.size() / kSlopesOfStep)
-      some.push_back(place_.to_input(places[i]));
+      some.push_back(frame_.to_input(places[i]));
     std::vector<Vec3> gradients(some.size());
     step.field->evaluate(some, {{}, gradients});
     for (const Vec3& g : gradients)
@@ -70,12 +70,12 @@ IsosurfaceInTime::IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double val
   if (slopes.empty()) return;
   const auto middle = slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2);
   std::nth_element(slopes.begin(), middle, slopes.end());
-  slope_ = *middle * place_.unit;
+  slope_ = *middle * frame_.unit;
 }
 
 IsosurfaceInTime::~IsosurfaceInTime() = default;
 
-double IsosurfaceInTime::median_spacing() const { return place_.from_input(steps_[0].volume->facts.median_spacing); }
+double IsosurfaceInTime::median_spacing() const { return frame_.from_input(steps_[0].volume->facts.median_spacing); }
 
 double IsosurfaceInTime::shortest_step() const {
   double least = std::numeric_limits<double>::infinity();
@@ -105,7 +105,7 @@ void IsosurfaceInTime::evaluate(std::span<const Vec3> x, std::span<const double>
     for (const auto& [step, share] : {std::pair{k, 1 - u}, std::pair{k + 1, u}}) {
       if (share == 0) continue;
       Wanted& w = wanted[step];
-      w.which.push_back(i), w.share.push_back(share), w.x.push_back(place_.to_input(x[i]));
+      w.which.push_back(i), w.share.push_back(share), w.x.push_back(frame_.to_input(x[i]));
     }
   }
   std::fill(values.begin(), values.end(), 0.0);

@@ -9,7 +9,7 @@
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/dataset/value_ranges.h"
 #include "sansmesh/field/time_field.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/volume_field.h"
 
@@ -33,7 +33,7 @@ class IsosurfaceInTime final : public TimeField {
   IsosurfaceInTime(std::vector<IsosurfaceStep> steps, double value);
   ~IsosurfaceInTime() override;
 
-  const Placement& place() const { return place_; }
+  const LocalFrame& frame() const { return frame_; }
   double value() const { return value_; }
   double median_spacing() const;  ///< distance between samples of the first step on the median (own length)
   double shortest_step() const;   ///< least time between two steps
@@ -49,7 +49,7 @@ class IsosurfaceInTime final : public TimeField {
   std::size_t interval_of(double t) const;
 
   std::vector<IsosurfaceStep> steps_;
-  Placement place_;
+  LocalFrame frame_;
   double value_, slope_ = 1;
   VolumeDomain domain_;
   std::vector<std::unique_ptr<const ValueRanges>> ranges_;

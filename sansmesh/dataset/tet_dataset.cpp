@@ -9,8 +9,8 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/io/read_volume.h"
-#include "sansmesh/volume/cell_tetrahedra.h"
+#include "sansmesh/io/grids/read_volume.h"
+#include "sansmesh/volume/cells/cell_tetrahedra.h"
 
 namespace sansmesh::inline v1 {
 namespace {

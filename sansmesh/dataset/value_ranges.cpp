@@ -84,7 +84,7 @@ double largest_size(std::size_t n, const std::function<double(std::size_t)>& val
 
 std::vector<ValueRanges::Item> ValueRanges::lattice_items(const SampledVolume& volume,
                                                           const std::function<double(std::size_t)>& value,
-                                                          const Placement& place) {
+                                                          const LocalFrame& frame) {
   const Lattice& l = *volume.lattice;
   std::array<std::size_t, 3> n{}, bricks{};
   for (std::size_t k = 0; k < 3; ++k) {
@@ -117,7 +117,7 @@ std::vector<ValueRanges::Item> ValueRanges::lattice_items(const SampledVolume& v
         for (std::size_t x = first[0]; x <= last[0]; ++x) spread.take(value(x + n[0] * (y + n[1] * z)));
     Box3 box;
     for (int c = 0; c < 8; ++c)
-      box.extend(place.from_input(
+      box.extend(frame.from_input(
           l.from_axes({c & 1 ? high[0] : low[0], c & 2 ? high[1] : low[1], c & 4 ? high[2] : low[2]})));
     const auto [least, most] = spread.widened();
     items[i] = {outwards(box), least, most};
@@ -127,7 +127,7 @@ std::vector<ValueRanges::Item> ValueRanges::lattice_items(const SampledVolume& v
 
 std::vector<ValueRanges::Item> ValueRanges::cell_items(const SampledVolume& volume,
                                                        const std::function<double(std::size_t)>& value,
-                                                       const Placement& place) {
+                                                       const LocalFrame& frame) {
   const CellList& cells = volume.cells;
   const std::vector<std::uint32_t> order = along_curve(cells.size(), volume.bounds(), [&](std::size_t c) {
     Vec3 sum;
@@ -144,7 +144,7 @@ std::vector<ValueRanges::Item> ValueRanges::cell_items(const SampledVolume& volu
       for (std::size_t g = kGroup * i; g < last; ++g) {
         const std::uint32_t c = order[g];
         for (const std::uint32_t corner : cells[c]) {
-          box.extend(place.from_input(volume.corner(corner)));
+          box.extend(frame.from_input(volume.corner(corner)));
           if (!volume.in_cells) spread.take(value(corner));
         }
         if (!volume.in_cells) continue;
@@ -162,12 +162,12 @@ std::vector<ValueRanges::Item> ValueRanges::cell_items(const SampledVolume& volu
 }
 
 ValueRanges::ValueRanges(const SampledVolume& volume, const std::function<double(std::size_t)>& value,
-                         const Placement& place)
+                         const LocalFrame& frame)
     : scale_(binary_scale(largest_size(volume.size(), value))) {
   std::function<double(std::size_t)> scaled;
   if (scale_ != 1) scaled = [&](std::size_t i) { return scale_ * value(i); };
   const auto& taken = scale_ != 1 ? scaled : value;
-  std::vector<Item> items = volume.lattice ? lattice_items(volume, taken, place) : cell_items(volume, taken, place);
+  std::vector<Item> items = volume.lattice ? lattice_items(volume, taken, frame) : cell_items(volume, taken, frame);
   levels_ = eight_wide_levels<Node>(std::move(items), [](std::span<const Item> siblings, std::size_t, Node& node) {
     Item above{{}, kEndless, -kEndless};
     for (std::size_t lane = 0; lane < kTreeWidth; ++lane) {

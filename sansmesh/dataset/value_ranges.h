@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/scalar_field.h"
 #include "sansmesh/search/box_levels.h"
@@ -22,7 +22,7 @@ class ValueRanges {
   static constexpr double kBeyond = 0.3;
 
   /// value(i) of sample i. Places are asked for in the coordinates of `place`.
-  ValueRanges(const SampledVolume& volume, const std::function<double(std::size_t)>& value, const Placement& place);
+  ValueRanges(const SampledVolume& volume, const std::function<double(std::size_t)>& value, const LocalFrame& frame);
 
   /// Of the cells that the ball meets; {+infinity, −infinity} where it meets none.
   ValueRange around(const Vec3& x, double radius) const;
@@ -47,9 +47,9 @@ class ValueRanges {
     float least, most;
   };
   static std::vector<Item> lattice_items(const SampledVolume& volume, const std::function<double(std::size_t)>& value,
-                                         const Placement& place);
+                                         const LocalFrame& frame);
   static std::vector<Item> cell_items(const SampledVolume& volume, const std::function<double(std::size_t)>& value,
-                                      const Placement& place);
+                                      const LocalFrame& frame);
 
   std::vector<std::vector<Node>> levels_;
   double scale_ = 1;  ///< of the values in the tree, which are floats

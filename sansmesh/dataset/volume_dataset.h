@@ -12,7 +12,7 @@
 #include "sansmesh/grid_data.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/sampled_volume.h"
-#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/grid/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "sansmesh/volume_field.h"
 #include "sansmesh/volume_options.h"

@@ -13,7 +13,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/section_file.h"
-#include "sansmesh/volume/check_volume.h"
+#include "sansmesh/volume/grid/check_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 
 namespace sansmesh::inline v1 {

@@ -15,7 +15,7 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/points/poisson_discs.h"
@@ -24,7 +24,7 @@
 #include "sansmesh/surface/foot_field.h"
 #include "sansmesh/surface/layer_projection.h"
 #include "sansmesh/triangulation/divide_blocks.h"
-#include "sansmesh/volume/sample_slopes.h"
+#include "sansmesh/volume/samples/sample_slopes.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -206,13 +206,13 @@ class LayerSide : public ScalarField {
 /// Of isosurfaces: that of the nearest sample of the volume.
 class ValueSide final : public LayerSide {
  public:
-  ValueSide(const SampledVolume& volume, std::span<const double> values, double value, const Placement& place,
+  ValueSide(const SampledVolume& volume, std::span<const double> values, double value, const LocalFrame& frame,
             Box3 bounds)
-      : LayerSide(bounds), volume_(volume), place_(place), far_(bounds.diagonal()), above_(values.size()) {
+      : LayerSide(bounds), volume_(volume), frame_(frame), far_(bounds.diagonal()), above_(values.size()) {
     for (std::size_t i = 0; i < values.size(); ++i) above_[i] = values[i] > value;
     if (volume.lattice) return;
     std::vector<Vec3f> positions(volume.size());
-    for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = Vec3f(place.from_input(volume.positions[i]));
+    for (std::size_t i = 0; i < positions.size(); ++i) positions[i] = Vec3f(frame.from_input(volume.positions[i]));
     tree_ = KdTree(positions);
   }
 
@@ -221,7 +221,7 @@ class ValueSide final : public LayerSide {
     std::size_t nearest = 0;
     if (volume_.lattice) {
       const Lattice& l = *volume_.lattice;
-      const Vec3 a = l.to_axes(place_.to_input(x));
+      const Vec3 a = l.to_axes(frame_.to_input(x));
       std::size_t stride = 1;
       for (std::size_t k = 0; k < 3; ++k) {
         const std::vector<double>& axis = l.axes[k];
@@ -237,7 +237,7 @@ class ValueSide final : public LayerSide {
   }
 
   const SampledVolume& volume_;
-  Placement place_;
+  LocalFrame frame_;
   double far_;
   std::vector<std::uint8_t> above_;
   KdTree tree_;  ///< of samples that are not on a lattice
@@ -404,7 +404,7 @@ std::size_t drop_unresolved(TriangleMesh& mesh, const BallUnion& balls, std::spa
 
 struct VolumeSurface::State {
   std::shared_ptr<const SampledVolume> volume;
-  Placement place;
+  LocalFrame frame;
   VolumeSurfaceOptions options;
   VolumeSurfaceReport report;
   std::optional<LayerProjection> projection;
@@ -468,8 +468,8 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   auto state = std::make_unique<VolumeSurface::State>();
   VolumeSurfaceReport& r = state->report;
   const Box3 box = volume->bounds();
-  const Placement place = placement_for(box.center(), box.diagonal());
-  state->place = place, state->options = options;
+  const LocalFrame frame = frame_for(box.center(), box.diagonal());
+  state->frame = frame, state->options = options;
   r.noise = noise;
 
   const bool iso = options.kind == VolumeSurfaceOptions::Kind::isovalue;
@@ -500,7 +500,7 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   progress.begin("prepare projection");
   std::vector<Vec3f> positions(chosen.size());
   for (std::size_t i = 0; i < chosen.size(); ++i)
-    positions[i] = Vec3f(place.from_input(samples.position(chosen[i].sample)));
+    positions[i] = Vec3f(frame.from_input(samples.position(chosen[i].sample)));
   const KdTree tree(positions);
   LayerSamples layer;
   for (std::vector<Vec3f>* v : {&layer.positions, &layer.normals}) v->reserve(chosen.size());
@@ -509,7 +509,7 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   for (const Chosen& c : chosen) heaviest = std::max(heaviest, c.weight);
   for (const std::uint32_t i : tree.order()) {
     const Chosen& c = chosen[i];
-    const auto s = static_cast<float>(place.from_input(slopes.spacing(c.sample)));
+    const auto s = static_cast<float>(frame.from_input(slopes.spacing(c.sample)));
     layer.positions.push_back(positions[i]);
     layer.normals.push_back(Vec3f(normalized(c.gradient * -1.0)));
     layer.weights.push_back(static_cast<float>(c.weight / heaviest));
@@ -519,7 +519,7 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   }
   r.samples = chosen.size();
   std::vector<float> sorted = state->place_spacing;
-  r.spacing = place.to_input(static_cast<double>(median(sorted)));
+  r.spacing = frame.to_input(static_cast<double>(median(sorted)));
   const double moved = r.spacing > 0 ? r.noise_distance / r.spacing : 0;
   r.smoothing = options.smoothing.value_or(std::min(kWidth + kWiden * moved, kMostWidth));
 
@@ -537,11 +537,11 @@ VolumeSurface make_volume_surface(std::shared_ptr<const SampledVolume> volume, s
   if (feet.feet.empty()) throw DataError("has no such surface");
   const Box3 bounds = state->projection->bounds();
   if (iso)
-    state->side = std::make_unique<ValueSide>(samples, shares, own.value, place, bounds);
+    state->side = std::make_unique<ValueSide>(samples, shares, own.value, frame, bounds);
   else
     state->side = std::make_unique<PlaneSide>(feet, bounds);
   progress.begin("boundary");
-  state->domain = std::make_unique<const VolumeDomain>(samples, place);
+  state->domain = std::make_unique<const VolumeDomain>(samples, frame);
   std::unique_ptr<const ScalarField> field;
   if (options.exact_projection) {
     field = std::make_unique<const ProjectionField>(*state->projection, state->side.get());
@@ -563,7 +563,7 @@ VolumeSurface::VolumeSurface(VolumeSurface&&) noexcept = default;
 VolumeSurface& VolumeSurface::operator=(VolumeSurface&&) noexcept = default;
 
 const SampledVolume& VolumeSurface::volume() const { return *state_->volume; }
-const Placement& VolumeSurface::place() const { return state_->place; }
+const LocalFrame& VolumeSurface::frame() const { return state_->frame; }
 const Projection& VolumeSurface::projection() const { return *state_->projection; }
 const ScalarField& VolumeSurface::field() const { return *state_->field; }
 const BallUnion& VolumeSurface::balls() const { return state_->balls; }
@@ -572,7 +572,7 @@ PointSet VolumeSurface::feet() const {
   std::vector<Vec3> positions;
   positions.reserve(state_->feet.feet.size());
   for (const FootPoint& foot : state_->feet.feet) positions.push_back(foot.position);
-  const auto kept = poisson_discs(positions, kSplats * state_->place.from_input(state_->report.spacing));
+  const auto kept = poisson_discs(positions, kSplats * state_->frame.from_input(state_->report.spacing));
   PointSet points;
   points.positions.reserve(kept.size()), points.normals.reserve(kept.size());
   for (const std::uint32_t i : kept) {
@@ -592,7 +592,7 @@ BlockTree VolumeSurface::blocks() const {
   const Vec3 size = state_->projection->bounds().size();
   // Nothing reaches the cube's faces, where it would be closed.
   const double edge =
-      std::max({size.x, size.y, size.z}) + 2 * kAround * state_->place.from_input(state_->report.spacing);
+      std::max({size.x, size.y, size.z}) + 2 * kAround * state_->frame.from_input(state_->report.spacing);
   BlockTree tree(state_->projection->bounds().center() - Vec3{edge, edge, edge} * 0.5, edge);
   divide_blocks(tree, kDeepestBlocks, [&](std::size_t block, std::vector<std::uint32_t>& touched) {
     const double half = tree.block_edge(block) / 2;
@@ -611,11 +611,11 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   MeshReport local;
   MeshReport& r = report ? *report : local;
   r = {};
-  const Placement& place = surface.place();
+  const LocalFrame& frame = surface.frame();
   MeshOptions own = meshing;
-  if (meshing.mesh_error) own.mesh_error = place.from_input(*meshing.mesh_error);
-  const double error = own.mesh_error.value_or(kMeshError * place.from_input(surface.report().spacing));
-  r.mesh_error = place.to_input(error);
+  if (meshing.mesh_error) own.mesh_error = frame.from_input(*meshing.mesh_error);
+  const double error = own.mesh_error.value_or(kMeshError * frame.from_input(surface.report().spacing));
+  r.mesh_error = frame.to_input(error);
   progress.begin("find surface");
   const BlockTree blocks = surface.blocks();
   PolygonizeOptions polygonize = detail::meshing_options(own, error, false);
@@ -625,7 +625,7 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   TriangleMesh mesh = detail::cut_out(surface.field(), blocks, own, polygonize, progress, r);
   if (mesh.triangles.empty()) throw DataError("has no such surface");
   progress.begin("finish mesh");
-  if (!iso) drop_jumps(mesh, surface.field(), kOffSurface * place.from_input(surface.report().spacing));
+  if (!iso) drop_jumps(mesh, surface.field(), kOffSurface * frame.from_input(surface.report().spacing));
   if (meshing.components.kind == ComponentChoice::Kind::automatic) {
     const std::size_t dropped = drop_unresolved(mesh, surface.balls(), surface.spacing(), surface.report().smoothing);
     if (dropped > 0)
@@ -638,7 +638,7 @@ TriangleMesh mesh_volume_surface(const VolumeSurface& surface, const MeshOptions
   const MeshTopology topology = measure_topology(mesh);
   r.components = static_cast<int>(topology.components);
   r.open = !topology.closed();
-  move_to_input(mesh, place);
+  move_to_input(mesh, frame);
   progress.finish();
   return mesh;
 }
@@ -647,8 +647,8 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
   if (distance && !(std::isfinite(*distance) && *distance >= surface.report().spacing / kMostAlong))
     throw ArgumentError(fmt::format("`distance` must be at least {:.4g}, a part of {} of the spacing",
                                     surface.report().spacing / kMostAlong, kMostAlong));
-  const Placement& place = surface.place();
-  const double apart = place.from_input(distance.value_or(surface.report().spacing));
+  const LocalFrame& frame = surface.frame();
+  const double apart = frame.from_input(distance.value_or(surface.report().spacing));
   const BallUnion& places = surface.state_->places;
   const std::vector<float>& spacings = surface.state_->place_spacing;
   progress.begin("project", places.centers.size());
@@ -690,10 +690,10 @@ PointSet sample_volume_surface(const VolumeSurface& surface, std::optional<doubl
   progress.begin("choose points");
   const std::vector<std::uint32_t> chosen = poisson_discs(feet, apart);
   PointSet points;
-  points.origin = place.origin;
+  points.origin = frame.origin;
   points.positions.reserve(chosen.size()), points.normals.reserve(chosen.size());
   for (const std::uint32_t i : chosen) {
-    points.positions.push_back(Vec3f(feet[i] * place.unit));
+    points.positions.push_back(Vec3f(feet[i] * frame.unit));
     points.normals.push_back(Vec3f(normals[i]));
   }
   progress.finish();

@@ -10,8 +10,8 @@
 
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/mesh_options.h"
-#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/report.h"
@@ -30,7 +30,7 @@ class VolumeSurface {
   VolumeSurface& operator=(VolumeSurface&&) noexcept;
 
   const SampledVolume& volume() const;
-  const Placement& place() const;
+  const LocalFrame& frame() const;
   const Projection& projection() const;
   /// About the signed distance, negative where the quantity is larger: FootField, or with `exact` the distance to the
   /// foot of the place itself. Where nothing is projected the nearest sample tells the side.

@@ -12,7 +12,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/mesh/mesh_vertices.h"
-#include "sansmesh/mesh/planar_fill.h"
+#include "sansmesh/mesh/repair/planar_fill.h"
 
 namespace sansmesh::inline v1 {
 namespace {

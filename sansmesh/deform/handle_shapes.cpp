@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/arrows.h"
+#include "sansmesh/mesh/edit/arrows.h"
+#include "sansmesh/mesh/edit/tubes.h"
 #include "sansmesh/mesh/mesh_vertices.h"
-#include "sansmesh/mesh/tubes.h"
 #include "sansmesh/polyline_set.h"
 
 namespace sansmesh::inline v1 {

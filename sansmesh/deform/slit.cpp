@@ -9,9 +9,9 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
-#include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/mesh/edit/deformed_mesh.h"
+#include "sansmesh/mesh/edit/refine_edges.h"
 #include "sansmesh/mesh/mesh_vertices.h"
-#include "sansmesh/mesh/refine_edges.h"
 
 namespace sansmesh::inline v1 {
 namespace {

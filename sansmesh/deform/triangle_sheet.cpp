@@ -5,7 +5,7 @@
 #include <map>
 
 #include "sansmesh/mesh/mesh_closest.h"
-#include "sansmesh/mesh/same_places.h"
+#include "sansmesh/mesh/repair/same_places.h"
 
 namespace sansmesh::inline v1 {
 namespace {

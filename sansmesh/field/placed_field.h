@@ -13,33 +13,33 @@ namespace sansmesh::inline v1 {
 class PlacedField : public ScalarField {
  public:
   /// The field must outlive it.
-  PlacedField(const ScalarField& field, const Placement& place) : PlacedField(nullptr, field, place) {}
+  PlacedField(const ScalarField& field, const LocalFrame& frame) : PlacedField(nullptr, field, frame) {}
   /// Keeps `owner`, which the field is part of.
-  PlacedField(std::shared_ptr<const void> owner, const ScalarField& field, const Placement& place)
-      : owner_(std::move(owner)), field_(field), place_(similarity_of(place)) {}
+  PlacedField(std::shared_ptr<const void> owner, const ScalarField& field, const LocalFrame& frame)
+      : owner_(std::move(owner)), field_(field), frame_(similarity_of(frame)) {}
 
   Box3 bounds() const override {
     const Box3 box = field_.bounds();
-    return {place_.apply(box.lower), place_.apply(box.upper)};
+    return {frame_.apply(box.lower), frame_.apply(box.upper)};
   }
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override {
-    field_.evaluate(place_.back(x), values, gradients);
-    place_.carry(values, gradients);
+    field_.evaluate(frame_.back(x), values, gradients);
+    frame_.carry(values, gradients);
   }
   void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                           std::span<std::uint8_t> inside) const override {
-    field_.evaluate_in_domain(place_.back(x), values, gradients, inside);
-    place_.carry(values, gradients);
+    field_.evaluate_in_domain(frame_.back(x), values, gradients, inside);
+    frame_.carry(values, gradients);
   }
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
-    field_.ranges(place_.back(x), radius / place_.scale, found);
-    for (ValueRange& r : found) r = {r.least * place_.scale, r.most * place_.scale};
+    field_.ranges(frame_.back(x), radius / frame_.scale, found);
+    for (ValueRange& r : found) r = {r.least * frame_.scale, r.most * frame_.scale};
   }
 
  private:
   std::shared_ptr<const void> owner_;  ///< null: somebody else keeps the field
   const ScalarField& field_;
-  Similarity place_;
+  Similarity frame_;
 };
 
 }  // namespace sansmesh::inline v1

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -52,10 +52,10 @@ struct Similarity {
 };
 
 /// From own coordinates to those of the input.
-inline Similarity similarity_of(const Placement& place) {
+inline Similarity similarity_of(const LocalFrame& frame) {
   Similarity s;
-  s.scale = place.unit;
-  s.translation = place.origin;
+  s.scale = frame.unit;
+  s.translation = frame.origin;
   return s;
 }
 

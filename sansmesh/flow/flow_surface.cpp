@@ -13,7 +13,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/flow/flow_fronts.h"
 #include "sansmesh/flow/released_sheet.h"
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -13,8 +13,8 @@
 #include "sansmesh/core/union_find.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_coverage.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
 #include "sansmesh/partition/partition_edit.h"
@@ -114,8 +114,8 @@ void gather_places(const FittedFunction& function, Suspicion kind, const Flagged
   }
   for (std::size_t k = 0; k < places.size(); ++k) {
     places[k].normal = mean_normal(places[k].normal, places[k].supports);
-    places[k].position = function.place.to_input(data.origin + Vec3(boxes[k].center()));
-    places[k].radius = function.place.to_input(0.5 * static_cast<double>(boxes[k].diagonal()));
+    places[k].position = function.frame.to_input(data.origin + Vec3(boxes[k].center()));
+    places[k].radius = function.frame.to_input(0.5 * static_cast<double>(boxes[k].diagonal()));
   }
   std::stable_sort(places.begin(), places.end(),
                    [](const SuspiciousPlace& a, const SuspiciousPlace& b) { return a.supports > b.supports; });
@@ -197,10 +197,10 @@ void find_extra_sheets(const FittedFunction& function, const TriangleMesh& mesh,
     if (!extra[c]) continue;
     SuspiciousPlace p;
     p.kind = Suspicion::extra_sheet;
-    p.position = function.place.to_input(mesh.origin + Vec3(box[c].center()));
+    p.position = function.frame.to_input(mesh.origin + Vec3(box[c].center()));
     p.normal = mean_normal(normal[c], on[c].size());
-    p.radius = function.place.to_input(0.5 * static_cast<double>(box[c].diagonal()));
-    p.worst = function.place.to_input(function.place.to_input(components.area[c]));
+    p.radius = function.frame.to_input(0.5 * static_cast<double>(box[c].diagonal()));
+    p.worst = function.frame.to_input(function.frame.to_input(components.area[c]));
     const std::uint32_t at = on[c].empty() ? 0 : on[c].front();
     const std::uint32_t sheet = on[c].empty() ? Sheets::kNone : sheets.of_support[at];
     // Only a separate sheet can be removed without harm to others.
@@ -212,7 +212,7 @@ void find_extra_sheets(const FittedFunction& function, const TriangleMesh& mesh,
       proposed[sheet] = 1;
       Edit edit;
       edit.select.all_but_largest = true;  // independent of previous edits
-      edit.select.sheet_at = function.place.to_input(data.origin + Vec3(data.supports[at].foot));
+      edit.select.sheet_at = function.frame.to_input(data.origin + Vec3(data.supports[at].foot));
       edit.action = RemoveSupports{};
       p.edit = edit;
     }
@@ -264,7 +264,7 @@ std::optional<TriangleMesh> mended(const FittedFunction& function, const Diagnos
     FunctionEditor editor(function);
     for (const Edit& edit : diagnosis.edits()) editor.apply(edit, progress);
     TriangleMesh mesh = mesh_function(editor.function(), meshing, progress);
-    move_from_input(mesh, function.place);
+    move_from_input(mesh, function.frame);
     return mesh;
   } catch (const DataError&) {
     return std::nullopt;
@@ -278,7 +278,7 @@ bool take_back(const FittedFunction& function, const std::vector<std::uint8_t>& 
   std::vector<std::uint8_t> harmful(diagnosis.places.size(), 0);
   for (std::size_t i = 0; i < lost.size(); ++i) {
     if (!lost[i] || lost_before[i]) continue;
-    const Vec3 x = function.place.to_input(function.samples->origin + Vec3(function.samples->positions[i]));
+    const Vec3 x = function.frame.to_input(function.samples->origin + Vec3(function.samples->positions[i]));
     std::size_t nearest = harmful.size();
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < harmful.size(); ++k) {
@@ -315,7 +315,7 @@ void color_mesh(const FittedFunction& function, const KdTree& feet, std::span<co
   const PartitionData& data = function.field.data();
   mesh.colors.assign(mesh.vertices.size(), kSound);
   parallel_for(0, mesh.vertices.size(), 2048, [&](std::size_t v) {
-    const Vec3 x = function.place.from_input(mesh.origin + Vec3(mesh.vertices[v])) - data.origin;
+    const Vec3 x = function.frame.from_input(mesh.origin + Vec3(mesh.vertices[v])) - data.origin;
     const auto found = feet.nearest(Vec3f(x));
     for (std::size_t k = 0; found && k < flagged.size(); ++k)
       if (!flagged[k].flag.empty() && flagged[k].flag[found->index]) mesh.colors[v] = kColors[k];
@@ -386,10 +386,10 @@ Diagnosis diagnose_function(const FittedFunction& function, const DiagnoseOption
   std::vector<float> errors;
   for (const Support& s : data.supports)
     if (is_looked_at(data, s)) errors.push_back(s.error);
-  const double error = options.error_above ? function.place.from_input(*options.error_above)
+  const double error = options.error_above ? function.frame.from_input(*options.error_above)
                                            : std::max(kErrorOverMedian * static_cast<double>(median(errors)),
                                                       kErrorOverSpacing * field.report().spacing);
-  diagnosis.error_above = function.place.to_input(error);
+  diagnosis.error_above = function.frame.to_input(error);
   const std::vector<double> steepest = steepness(field);
   std::array<Flagged, kSuspicions> flagged;
   for (Flagged& f : flagged) f.flag.assign(n, 0), f.value.assign(n, 0);
@@ -402,7 +402,7 @@ Diagnosis diagnose_function(const FittedFunction& function, const DiagnoseOption
     of(Suspicion::low_coverage).flag[i] = !s.open && static_cast<double>(s.coverage) < options.coverage_below;
     of(Suspicion::low_coverage).value[i] = static_cast<double>(s.coverage);
     of(Suspicion::high_error).flag[i] = static_cast<double>(s.error) > error;
-    of(Suspicion::high_error).value[i] = function.place.to_input(static_cast<double>(s.error));
+    of(Suspicion::high_error).value[i] = function.frame.to_input(static_cast<double>(s.error));
     of(Suspicion::steep).flag[i] = steepest[i] > options.gradient_above;
     of(Suspicion::steep).value[i] = steepest[i];
   }
@@ -411,7 +411,7 @@ Diagnosis diagnose_function(const FittedFunction& function, const DiagnoseOption
   const KdTree feet(foot);
   std::vector<std::uint8_t> extra(diagnosis.mesh.vertices.size(), 0);
   TriangleMesh mesh = diagnosis.mesh;
-  move_from_input(mesh, function.place);
+  move_from_input(mesh, function.frame);
   find_extra_sheets(function, mesh, feet, diagnosis, extra);
   for (const Suspicion kind : {Suspicion::low_coverage, Suspicion::high_error, Suspicion::steep})
     gather_places(function, kind, of(kind), diagnosis);

@@ -55,7 +55,7 @@ std::optional<std::vector<std::uint8_t>> on_sheets(const FittedFunction& functio
   if (s.spurious_sheets && function.samples->size() == 0)
     throw DataError("its samples were not kept: spurious sheets cannot be detected");
   const std::uint32_t wanted =
-      s.sheet_at ? nearest_sheet(data, sheets, Vec3f(function.place.from_input(*s.sheet_at) - data.origin))
+      s.sheet_at ? nearest_sheet(data, sheets, Vec3f(function.frame.from_input(*s.sheet_at) - data.origin))
                  : Sheets::kNone;
   std::vector<std::uint8_t> flags(data.supports.size());
   const double few = kFewSamples * data.report.spacing * data.report.spacing;
@@ -74,14 +74,14 @@ std::optional<std::vector<std::uint8_t>> on_sheets(const FittedFunction& functio
 
 SupportQuery to_query(const FittedFunction& function, const EditSelection& s) {
   const Vec3 origin = function.field.data().origin;
-  const auto local = [&](const Vec3& x) { return Vec3f(function.place.from_input(x) - origin); };
+  const auto local = [&](const Vec3& x) { return Vec3f(function.frame.from_input(x) - origin); };
   SupportQuery q;
-  if (s.ball) q.ball = {local(s.ball->center), static_cast<float>(function.place.from_input(s.ball->radius))};
+  if (s.ball) q.ball = {local(s.ball->center), static_cast<float>(function.frame.from_input(s.ball->radius))};
   if (s.box) q.box = Box3f{local(s.box->lower), local(s.box->upper)};
   if (s.half_space) q.half_space = {local(s.half_space->point), Vec3f(normalized(s.half_space->normal))};
   if (s.coverage_below) q.coverage_below = static_cast<float>(*s.coverage_below);
   q.coverage_fails = s.coverage_fails;
-  if (s.error_above) q.error_above = static_cast<float>(function.place.from_input(*s.error_above));
+  if (s.error_above) q.error_above = static_cast<float>(function.frame.from_input(*s.error_above));
   if (s.samples_below) q.samples_below = static_cast<std::uint32_t>(*s.samples_below);
   q.level_from = s.level_from, q.level_to = s.level_to;
   q.flags = on_sheets(function, s);
@@ -91,14 +91,14 @@ SupportQuery to_query(const FittedFunction& function, const EditSelection& s) {
 Box3 to_input(const FittedFunction& function, const Box3f& box) {
   if (box.empty()) return {};
   const Vec3 origin = function.field.data().origin;
-  return function.place.to_input(Box3{origin + Vec3(box.lower), origin + Vec3(box.upper)});
+  return function.frame.to_input(Box3{origin + Vec3(box.lower), origin + Vec3(box.upper)});
 }
 
 PartitionOptions options_of(const FittedFunction& function, const Refit& r) {
   PartitionOptions o = function.field.data().options;
   if (r.max_degree) o.max_degree = *r.max_degree;
   if (r.max_depth) o.max_depth = r.max_depth;
-  if (r.error) o.error = function.place.from_input(*r.error);
+  if (r.error) o.error = function.frame.from_input(*r.error);
   if (r.support) o.support = r.support;
   if (r.sharp) o.sharp = *r.sharp;
   return o;

@@ -14,10 +14,10 @@ namespace {
 constexpr double kMostError = 10;
 
 /// Converts lengths to local coordinates.
-PartitionOptions partition_options(const FitOptions& options, const Placement& place) {
+PartitionOptions partition_options(const FitOptions& options, const LocalFrame& frame) {
   PartitionOptions fit;
   fit.max_depth = options.depth;
-  if (options.error) fit.error = place.from_input(*options.error);
+  if (options.error) fit.error = frame.from_input(*options.error);
   fit.support = options.support;
   fit.max_degree = options.degree;
   fit.sharp = options.sharp;
@@ -56,15 +56,15 @@ FittedFunction fit_surface_function(PreparedCloud cloud, const FitOptions& optio
     PartitionOfUnity paper =
         fit_paper_partition(std::move(cloud.points), paper_options(options), progress, sorted.get(), &report);
     sorted->of_faces = faces;
-    return {std::move(paper), cloud.place, std::move(sorted), {}, std::move(cloud.warnings), report};
+    return {std::move(paper), cloud.frame, std::move(sorted), {}, std::move(cloud.warnings), report};
   }
-  const PartitionOptions fit = partition_options(options, cloud.place);
+  const PartitionOptions fit = partition_options(options, cloud.frame);
   if (fit.error && !(*fit.error <= kMostError)) throw ArgumentError("`error` is larger than the cloud");
   const bool of_faces = cloud.points.of_faces;
   auto samples = std::make_shared<PointSet>();
   PartitionOfUnity field = fit_partition_of_unity(std::move(cloud.points), fit, progress, samples.get());
   samples->of_faces = of_faces;
-  return {std::move(field), cloud.place, std::move(samples), {}, std::move(cloud.warnings), {}};
+  return {std::move(field), cloud.frame, std::move(samples), {}, std::move(cloud.warnings), {}};
 }
 
 }  // namespace sansmesh::inline v1

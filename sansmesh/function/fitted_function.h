@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "sansmesh/fit_options.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/partition/paper_fit.h"
 #include "sansmesh/partition/partition_of_unity.h"
-#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
@@ -20,7 +20,7 @@ namespace sansmesh::inline v1 {
 /// Copies share the samples.
 struct FittedFunction {
   PartitionOfUnity field;  ///< in local coordinates, in which the samples are about 1 large
-  Placement place;         ///< local frame in the input; the unit is a power of two
+  LocalFrame frame;        ///< local frame in the input; the unit is a power of two
   /// In the field's coordinates, along the Morton curve of its root cube; never null, but empty if they were not kept:
   /// such a function can be meshed and evaluated, but not refitted.
   std::shared_ptr<const PointSet> samples;

@@ -15,7 +15,7 @@ constexpr double kCoarseBlocks = 0.5;
 
 FunctionCut prepare_cut(const FittedFunction& function, const MeshOptions& options, double usual_error) {
   const PartitionOfUnity& field = function.field;
-  const double mesh_error = options.mesh_error ? function.place.from_input(*options.mesh_error) : usual_error;
+  const double mesh_error = options.mesh_error ? function.frame.from_input(*options.mesh_error) : usual_error;
   PolygonizeOptions meshing = meshing_options(options, mesh_error, field.data().options.sharp);
   meshing.seeds = field.seeds();
   const bool coarse = options.mesh_error.has_value();

@@ -29,10 +29,10 @@ TriangleMesh whole_mesh(const FittedFunction& function, Progress& progress) {
   options.components.kind = ComponentChoice::Kind::all;
   options.carry_colors = false;
   options.mesher = Mesher::blocks;
-  options.mesh_error = kFinerMesh * function.place.to_input(default_mesh_error(function.field.report()));
+  options.mesh_error = kFinerMesh * function.frame.to_input(default_mesh_error(function.field.report()));
   TriangleMesh mesh = mesh_function(function, options, progress);
   if (function.field.data().options.sharp) {
-    const PlacedField field(function.field, function.place);
+    const PlacedField field(function.field, function.frame);
     turn_edges_to_creases(mesh, field);
   }
   return mesh;
@@ -42,10 +42,10 @@ TriangleMesh whole_mesh(const FittedFunction& function, Progress& progress) {
 
 struct FunctionDistance::Parts {
   Parts(std::shared_ptr<const FittedFunction> f, Progress& progress)
-      : function(std::move(f)), field(function->field, function->place) {
+      : function(std::move(f)), field(function->field, function->frame) {
     TriangleMesh mesh = whole_mesh(*function, progress);
     closed = measure_topology(mesh).closed();
-    const double spacing = function->place.to_input(function->field.report().spacing);
+    const double spacing = function->frame.to_input(function->field.report().spacing);
     distance = std::make_unique<MeshField>(
         std::move(mesh),
         MeshField::Options{

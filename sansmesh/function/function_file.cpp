@@ -256,8 +256,8 @@ void write_fitted_function(const std::string& file, const FittedFunction& functi
   Json levels = Json::array();
   for (const PartitionData::Flatness& f : data.flatness) levels.push_back(f.code.size());
   Json json = {{"kind", data.paper ? kPlainKind : kKind},
-               {"origin", to_json(function.place.origin)},
-               {"unit", function.place.unit},
+               {"origin", to_json(function.frame.origin)},
+               {"unit", function.frame.unit},
                {"field_origin", to_json(data.origin)},
                {"cube", {{"lower", to_json(data.lower)}, {"edge", data.edge}}},
                {"options", to_json(data.options)},
@@ -317,13 +317,13 @@ FittedFunction read_fitted_function(const SectionFile& file) {
     data.validate();
     auto samples = std::make_shared<PointSet>(read_samples(file, data));
     samples->of_faces = json.contains("of_faces") && json.at("of_faces").get<bool>();  // since 1.2; not for clouds
-    const Placement place{vector_of(json.at("origin")), number(json.at("unit"))};
+    const LocalFrame frame{vector_of(json.at("origin")), number(json.at("unit"))};
     int exponent = 0;
-    if (!(norm(place.origin) <= 1e30 && place.unit > 1e-60 && place.unit < 1e30) ||
-        std::frexp(place.unit, &exponent) != 0.5)
+    if (!(norm(frame.origin) <= 1e30 && frame.unit > 1e-60 && frame.unit < 1e30) ||
+        std::frexp(frame.unit, &exponent) != 0.5)
       throw DataError("its position in the input is invalid");
     std::vector<std::string> history = history_of(json.at("history"));
-    return {PartitionOfUnity(std::move(data)), place, std::move(samples), std::move(history), {}, {}};
+    return {PartitionOfUnity(std::move(data)), frame, std::move(samples), std::move(history), {}, {}};
   } catch (const nlohmann::json::exception&) {
     throw FileError(file.file(), "damaged: its description (section META) is invalid");
   } catch (const ArgumentError& error) {

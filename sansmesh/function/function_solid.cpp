@@ -96,9 +96,9 @@ class FunctionKnowledge final : public csg::FieldKnowledge {
 Solid function_solid(std::shared_ptr<const FittedFunction> function) {
   const PartitionOfUnity& field = function->field;
   auto known = std::make_shared<const FunctionKnowledge>(field);
-  const Placement place = function->place;
+  const LocalFrame frame = function->frame;
   const std::shared_ptr<const ScalarField> shared(std::move(function), &field);
-  return csg::place(csg::leaf(shared, std::move(known)), place);
+  return csg::place(csg::leaf(shared, std::move(known)), frame);
 }
 
 }  // namespace sansmesh::inline v1

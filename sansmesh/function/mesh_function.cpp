@@ -9,7 +9,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/function/function_cut.h"
 #include "sansmesh/function/function_domain.h"
-#include "sansmesh/mesh/clip_mesh.h"
+#include "sansmesh/mesh/edit/clip_mesh.h"
 #include "sansmesh/mesh/mesh_quality.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/meshing/mesh_steps.h"
@@ -70,26 +70,26 @@ TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& op
   r = {};
   const PartitionOfUnity& field = function.field;
   const PartitionReport& f = field.report();
-  const Placement& place = function.place;
+  const LocalFrame& frame = function.frame;
   detail::FunctionCut cut = detail::prepare_cut(function, options, default_mesh_error(f));
-  r.mesh_error = place.to_input(cut.mesh_error);
+  r.mesh_error = frame.to_input(cut.mesh_error);
   r.block_depth = cut.blocks.depth();
   std::optional<Box3> box;
   if (options.box) {
-    box = place.from_input(*options.box);
+    box = frame.from_input(*options.box);
     cut.meshing.regions = {with_seeds(field.data(), *box)};
   }
   const PointSet& points = *function.samples;
   std::optional<double> trim;
   if (options.trim) {
     if (points.size() == 0) throw DataError("cannot be trimmed: its samples were not kept");
-    trim = *options.trim > 0 ? place.from_input(*options.trim) : std::max(4 * f.spacing, 6 * f.noise);
+    trim = *options.trim > 0 ? frame.from_input(*options.trim) : std::max(4 * f.spacing, 6 * f.noise);
   }
   std::optional<FunctionDomain> domain;
   if (FunctionDomain::needed(function, trim)) {
     progress.begin("find borders");
     std::optional<double> fill;
-    if (options.fill_holes) fill = place.from_input(*options.fill_holes);
+    if (options.fill_holes) fill = frame.from_input(*options.fill_holes);
     domain.emplace(function, fill, trim);
     domain->refine(cut.blocks, options.block_depth.value_or(BlockTree::kMaxLevel));
     cut.meshing.domain = &*domain;
@@ -115,16 +115,16 @@ TriangleMesh mesh_function(const FittedFunction& function, const MeshOptions& op
     if (finish.components.kind == ComponentChoice::Kind::automatic) finish.components.kind = ComponentChoice::Kind::all;
   }
   detail::finish_mesh(mesh, points, f.spacing, f.noise, cut.mesh_error, finish, r);
-  detail::mark_confidence(mesh, points, f.spacing, f.noise, place, options, r);
+  detail::mark_confidence(mesh, points, f.spacing, f.noise, frame, options, r);
   if (options.triangles && mesh.triangles.size() > *options.triangles)
     r.warnings.push_back(counted(mesh.triangles.size(), "triangle") + " instead of " + grouped(*options.triangles) +
                          ": each part, hole and handle needs some");
   // An edit removes the surface of samples on purpose.
   if (r.most_lost && function.history.empty()) {
-    r.most_lost = place.to_input(*r.most_lost);
+    r.most_lost = frame.to_input(*r.most_lost);
     r.warnings.push_back(detail::lost_samples(r));
   }
-  move_to_input(mesh, place);
+  move_to_input(mesh, frame);
   progress.finish();
   return mesh;
 }

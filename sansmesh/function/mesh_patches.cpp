@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
-#include "sansmesh/mesh/same_places.h"
+#include "sansmesh/mesh/repair/same_places.h"
 
 namespace sansmesh::inline v1 {
 namespace {

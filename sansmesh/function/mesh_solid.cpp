@@ -14,7 +14,7 @@
 #include "sansmesh/function/mesh_field.h"
 #include "sansmesh/function/mesh_patches.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/self_intersections.h"
+#include "sansmesh/mesh/repair/self_intersections.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -12,12 +12,12 @@ SurfaceFunction::SurfaceFunction(FittedFunction fitted)
     : fitted_(std::make_shared<const FittedFunction>(std::move(fitted))) {}
 
 std::shared_ptr<const ScalarField> SurfaceFunction::field() const {
-  return std::make_shared<const PlacedField>(fitted_, fitted_->field, fitted_->place);
+  return std::make_shared<const PlacedField>(fitted_, fitted_->field, fitted_->frame);
 }
 
 Box3 SurfaceFunction::bounds() const {
   const Box3f box = sansmesh::bounds(*fitted_->samples);
-  return fitted_->place.to_input(box.empty() ? fitted_->field.bounds() : Box3{Vec3(box.lower), Vec3(box.upper)});
+  return fitted_->frame.to_input(box.empty() ? fitted_->field.bounds() : Box3{Vec3(box.lower), Vec3(box.upper)});
 }
 
 std::size_t SurfaceFunction::samples() const { return fitted_->samples->size(); }

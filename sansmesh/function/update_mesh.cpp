@@ -15,7 +15,7 @@
 #include "sansmesh/function/function_cut.h"
 #include "sansmesh/function/function_domain.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/mesh/replace_region.h"
+#include "sansmesh/mesh/edit/replace_region.h"
 #include "sansmesh/meshing/mesh_steps.h"
 
 namespace sansmesh::inline v1 {
@@ -154,7 +154,7 @@ class Updating {
   bool no_way(const Pending& p) {
     update_.why = agreement_ < kAgreement ? no_agreement()
                                           : "no border was found along which old and new triangles meet, around " +
-                                                exact_place_words(function_.place.to_input(p.change.center()));
+                                                exact_place_words(function_.frame.to_input(p.change.center()));
     return false;
   }
 
@@ -218,10 +218,10 @@ bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::sp
   }
   // In the coordinates of the field.
   TriangleMesh moved = mesh;
-  move_from_input(moved, function.place);
+  move_from_input(moved, function.frame);
   std::vector<Box3> changes;
-  for (const Box3& c : changed) changes.push_back(function.place.from_input(c));
-  for (const Vec3& p : match.off) changes.push_back(function.place.from_input(widened(Box3{p, p}, match.near)));
+  for (const Box3& c : changed) changes.push_back(function.frame.from_input(c));
+  for (const Vec3& p : match.off) changes.push_back(function.frame.from_input(widened(Box3{p, p}, match.near)));
   unite(changes, kGrowth);
   if (!Updating(function, options, moved, progress, u).run(changes)) return false;
   if (moved.triangles.empty()) {
@@ -230,7 +230,7 @@ bool update_in_place(const FittedFunction& function, TriangleMesh& mesh, std::sp
   }
   MeshReport report;
   detail::choose_components(moved, options.components, *function.samples, function.field.report().spacing, report);
-  move_to_input(moved, function.place);
+  move_to_input(moved, function.frame);
   mesh = std::move(moved);
   return true;
 }
@@ -253,13 +253,13 @@ MeshMatch match_mesh(const FittedFunction& function, const TriangleMesh& mesh, s
   const std::size_t stride = 1 + mesh.vertices.size() / kLookedAt;
   for (std::size_t v = 0; v < mesh.vertices.size(); v += stride) {
     const Vec3 p = mesh.origin + Vec3(mesh.vertices[v]);
-    if (is_finite(p) && !any_contains(left_out, p)) x.push_back(function.place.from_input(p));
+    if (is_finite(p) && !any_contains(left_out, p)) x.push_back(function.frame.from_input(p));
   }
   MeshMatch match;
   match.vertices = x.size();
   const PartitionReport& report = function.field.report();
   const double near = std::max(report.spacing, 2 * report.noise);
-  match.near = function.place.to_input(near);
+  match.near = function.frame.to_input(near);
   if (x.empty()) return match;
   std::vector<double> f(x.size());
   std::vector<Vec3> g(x.size());
@@ -269,12 +269,12 @@ MeshMatch match_mesh(const FittedFunction& function, const TriangleMesh& mesh, s
     if (distance <= near)
       ++match.on;
     else
-      match.off.push_back(function.place.to_input(x[i]));
+      match.off.push_back(function.frame.to_input(x[i]));
     if (distance <= match.farthest) continue;
     match.farthest = distance;
-    match.farthest_at = function.place.to_input(x[i]);
+    match.farthest_at = function.frame.to_input(x[i]);
   }
-  match.farthest = function.place.to_input(match.farthest);
+  match.farthest = function.frame.to_input(match.farthest);
   return match;
 }
 

@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
+#include "sansmesh/io/grids/volume_readers.h"
 #include "sansmesh/io/names.h"
-#include "sansmesh/io/volume_readers.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -6,12 +6,12 @@
 #include "sansmesh/core/length_limits.h"
 #include "sansmesh/io/file_content.h"
 #include "sansmesh/io/formats.h"
-#include "sansmesh/io/merge_points.h"
+#include "sansmesh/io/grids/volume_readers.h"
 #include "sansmesh/io/names.h"
 #include "sansmesh/io/output.h"
+#include "sansmesh/io/points/merge_points.h"
 #include "sansmesh/io/readers.h"
 #include "sansmesh/io/text_scanner.h"
-#include "sansmesh/io/volume_readers.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 
 namespace sansmesh::inline v1 {
 

@@ -1,6 +1,6 @@
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/inspect.h"
-#include "sansmesh/mesh/align_surfaces.h"
+#include "sansmesh/mesh/align/align_surfaces.h"
 
 #include <fmt/core.h>
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "sansmesh/inspect.h"
-#include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/render/surface/picture_surfaces.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -42,7 +42,7 @@ AnySurface::AnySurface(std::shared_ptr<const Isosurface> isosurface, std::string
     : name_(std::move(name)),
       kind_(Kind::isosurface),
       isosurface_(std::move(isosurface)),
-      field_(std::make_shared<const PlacedField>(isosurface_, *isosurface_, isosurface_->place())) {}
+      field_(std::make_shared<const PlacedField>(isosurface_, *isosurface_, isosurface_->frame())) {}
 
 const char* AnySurface::kind_word() const {
   switch (kind_) {

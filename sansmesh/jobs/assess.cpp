@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/mesh/repair/sewn_mesh.h"
 #include "sansmesh/mesh/topology_words.h"
 #include "sansmesh/points/face_shape.h"
 

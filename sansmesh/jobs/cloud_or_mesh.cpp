@@ -8,8 +8,8 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/clip_mesh.h"
-#include "sansmesh/mesh/weld.h"
+#include "sansmesh/mesh/edit/clip_mesh.h"
+#include "sansmesh/mesh/repair/weld.h"
 #include "sansmesh/points/close_points.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/poisson_discs.h"

@@ -7,7 +7,7 @@
 
 #include "sansmesh/box.h"
 #include "sansmesh/convert.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/triangle_mesh.h"
 

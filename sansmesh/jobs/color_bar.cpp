@@ -9,7 +9,7 @@
 #include "sansmesh/core/diverging_color.h"
 #include "sansmesh/error.h"
 #include "sansmesh/points/sample_confidence.h"
-#include "sansmesh/render/transfer_presets.h"
+#include "sansmesh/render/volume/transfer_presets.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "sansmesh/attribute_table.h"
 #include "sansmesh/image.h"
-#include "sansmesh/render/picture_notes.h"
+#include "sansmesh/render/annotate/picture_notes.h"
 #include "sansmesh/render_options.h"
 #include "sansmesh/surface/curvature_words.h"
 #include "sansmesh/triangle_mesh.h"

@@ -16,7 +16,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/mesh/refine_edges.h"
+#include "sansmesh/mesh/edit/refine_edges.h"
 
 namespace sansmesh::inline v1 {
 namespace {

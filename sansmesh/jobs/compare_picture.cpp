@@ -10,7 +10,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/color_bar.h"
-#include "sansmesh/render/picture_notes.h"
+#include "sansmesh/render/annotate/picture_notes.h"
 #include "sansmesh/render_options.h"
 
 namespace sansmesh::inline v1 {

@@ -41,7 +41,7 @@ struct CurvedInput {
 CurvedInput curvatures_of(PointSet given, CurvatureOptions options, Progress& progress, std::vector<Note>& notes) {
   const bool is_mesh = !given.triangles.empty();
   const char* const kRow = "row of the file";
-  CloudUse use;
+  CloudPreparation use;
   PointSet mesh;
   if (is_mesh) {
     use.faces = FaceUse::vertices;
@@ -53,20 +53,20 @@ CurvedInput curvatures_of(PointSet given, CurvatureOptions options, Progress& pr
   PreparedCloud cloud = prepare_cloud(std::move(given), use, progress);
   add_notes(notes, "preparation", cloud.warnings);
   if (options.noise)
-    options.noise = cloud.place.from_input(*options.noise);
+    options.noise = cloud.frame.from_input(*options.noise);
   else  // known unless normals are taken as given
     options.noise = is_mesh ? known_noise(cloud.points) : *cloud.noise;
-  if (options.bandwidth) options.bandwidth = cloud.place.from_input(*options.bandwidth);
+  if (options.bandwidth) options.bandwidth = cloud.frame.from_input(*options.bandwidth);
   progress.begin("curvature");
   CurvedInput made;
-  made.noise = cloud.place.to_input(*options.noise);
+  made.noise = cloud.frame.to_input(*options.noise);
   made.curvatures = is_mesh ? estimate_vertex_curvatures(cloud.points, options, progress)
                             : estimate_curvatures(cloud.points, options, progress);
-  const auto unit = static_cast<float>(cloud.place.unit);
+  const auto unit = static_cast<float>(cloud.frame.unit);
   for (PrincipalCurvatures& c : made.curvatures) c.k1 /= unit, c.k2 /= unit, c.offset *= unit;
   if (!is_mesh) {
     made.points = std::move(cloud.points);
-    move_to_input(made.points, cloud.place);
+    move_to_input(made.points, cloud.frame);
     return made;
   }
   const std::vector<PrincipalCurvatures> found = std::exchange(made.curvatures, {});

@@ -9,7 +9,7 @@
 #include "sansmesh/image.h"
 #include "sansmesh/note.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/render/surface/picture_surfaces.h"
 #include "sansmesh/triangle_mesh.h"
 
 namespace sansmesh::inline v1 {

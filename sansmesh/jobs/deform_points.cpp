@@ -10,7 +10,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/mesh/edit/deformed_mesh.h"
 #include "sansmesh/mesh_measures.h"
 
 namespace sansmesh::inline v1 {

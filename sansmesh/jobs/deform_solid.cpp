@@ -18,9 +18,9 @@
 #include "sansmesh/jobs/solid_parts.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/measure/section.h"
-#include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/mesh/edit/deformed_mesh.h"
 #include "sansmesh/meshing/mesh_csg.h"
-#include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render/surface/surface_caster.h"
 #include "sansmesh/repair.h"
 #include "sansmesh/triangle_mesh.h"
 
@@ -187,11 +187,11 @@ class SolidPoses {
     if (!exact) return with(surface_in_picture(mesh, options_.look.picture));
     const NearField near(field, mesh.origin);
     const SurfaceCaster caster(near, balls_of(mesh), {});
-    Placement place;
-    place.origin = mesh.origin;
+    LocalFrame frame;
+    frame.origin = mesh.origin;
     SurfaceRenderOptions look;
     look.picture = options_.look.picture;
-    return with(surface_in_picture(caster, place, nullptr, look));
+    return with(surface_in_picture(caster, frame, nullptr, look));
   }
 
   const SolidModel& solid_;

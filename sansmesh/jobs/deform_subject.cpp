@@ -7,8 +7,8 @@
 #include "sansmesh/deform.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/read_volume.h"
-#include "sansmesh/io/write_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
+#include "sansmesh/io/grids/write_volume.h"
 #include "sansmesh/surface_function.h"
 #include "sansmesh/volume_options.h"
 

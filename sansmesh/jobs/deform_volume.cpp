@@ -17,11 +17,11 @@
 #include "sansmesh/jobs/volume_state.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/mesh/deformed_mesh.h"
-#include "sansmesh/mesh/refine_edges.h"
-#include "sansmesh/render/transfer_presets.h"
-#include "sansmesh/render/value_histogram.h"
-#include "sansmesh/render/volume_picture.h"
+#include "sansmesh/mesh/edit/deformed_mesh.h"
+#include "sansmesh/mesh/edit/refine_edges.h"
+#include "sansmesh/render/volume/transfer_presets.h"
+#include "sansmesh/render/volume/value_histogram.h"
+#include "sansmesh/render/volume/volume_picture.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -9,7 +9,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/field/map_stretch.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/write_volume.h"
+#include "sansmesh/io/grids/write_volume.h"
 #include "sansmesh/jobs/deform_parts.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/measure/section_text.h"

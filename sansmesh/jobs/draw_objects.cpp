@@ -12,14 +12,14 @@
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/picture_curvature.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/mesh/tubes.h"
+#include "sansmesh/mesh/edit/tubes.h"
 #include "sansmesh/pictures.h"
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/spacing.h"
-#include "sansmesh/render/color_space.h"
-#include "sansmesh/render/color_words.h"
-#include "sansmesh/render/picture_notes.h"
-#include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/render/annotate/picture_notes.h"
+#include "sansmesh/render/scene/color_space.h"
+#include "sansmesh/render/scene/color_words.h"
+#include "sansmesh/render/surface/picture_surfaces.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -116,9 +116,9 @@ class ObjectScene {
     const SurfaceRenderOptions look = look_of(k, color, model.colors() != nullptr);
     const auto& samples = model.points().positions;
     for (const Vec3f& p : samples.empty() ? model.balls().centers : samples)
-      places.push_back(model.place().to_input(Vec3(p)));
+      places.push_back(model.frame().to_input(Vec3(p)));
     return {ObjectKind::function, look,
-            surface_in_picture(caster, model.place(), look.picture.look.use_colors ? model.colors() : nullptr, look),
+            surface_in_picture(caster, model.frame(), look.picture.look.use_colors ? model.colors() : nullptr, look),
             look.picture.look.surface_color};
   }
 

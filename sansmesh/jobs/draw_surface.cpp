@@ -12,7 +12,7 @@
 #include "sansmesh/model/sample_surface.h"
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/points/sample_confidence.h"
-#include "sansmesh/render/surface_picture.h"
+#include "sansmesh/render/surface/surface_picture.h"
 #include "sansmesh/surface/curvature_words.h"
 
 namespace sansmesh::inline v1 {
@@ -23,30 +23,30 @@ std::unique_ptr<ColorField> make_colors(const PictureOptions& o, const SurfaceMo
                                         std::optional<CurvedVertices> mesh, std::optional<ColorBar>& bar,
                                         Progress& progress) {
   if (o.color_by.empty()) return nullptr;
-  const Placement& place = model.place();
+  const LocalFrame& frame = model.frame();
   if (o.color_by == kConfidence) {
     if (model.points().size() == 0) throw DataError("there is no confidence without samples, and they were not kept");
     bar = confidence_bar();
-    return std::make_unique<ConfidenceColors>(model.points(), place.from_input(model.report().spacing),
-                                              place.from_input(model.report().noise));
+    return std::make_unique<ConfidenceColors>(model.points(), frame.from_input(model.report().spacing),
+                                              frame.from_input(model.report().noise));
   }
   CurvatureColorOptions by;
   by.quantity = curvature_quantity(o.color_by);
-  if (o.color_range) by.range = curvature_range(o.color_range->second, by.quantity, place.unit);
-  by.curvature.noise = place.from_input(model.report().noise);
+  if (o.color_range) by.range = curvature_range(o.color_range->second, by.quantity, frame.unit);
+  by.curvature.noise = frame.from_input(model.report().noise);
   progress.begin("curvature");
   std::unique_ptr<CurvatureColors> colors;
   if (mesh) {
-    const auto scale = static_cast<float>(place.unit / mesh->place.unit);
+    const auto scale = static_cast<float>(frame.unit / mesh->frame.unit);
     for (PrincipalCurvatures& c : mesh->curvatures) c.k1 *= scale, c.k2 *= scale;
-    move_to_input(mesh->points, mesh->place);
-    move_from_input(mesh->points, place);
+    move_to_input(mesh->points, mesh->frame);
+    move_from_input(mesh->points, frame);
     colors = std::make_unique<CurvatureColors>(mesh->points, mesh->curvatures, by);
   } else {
     colors = std::make_unique<CurvatureColors>(model.points(), by, progress);
   }
   // The range is that of all but a few of the samples, or what was asked for.
-  bar = curvature_bar(by.quantity, curvature_range(colors->range(), by.quantity, 1 / place.unit), o.unit, true);
+  bar = curvature_bar(by.quantity, curvature_range(colors->range(), by.quantity, 1 / frame.unit), o.unit, true);
   return colors;
 }
 
@@ -105,7 +105,7 @@ SurfaceModel model_of(PictureObject& object, const PictureOptions& o, std::optio
 void paint_all(const PictureOptions& o, const SurfaceModel& model, std::optional<CurvedVertices> mesh,
                CrestsFrom crests, const UsePicture& use, RenderReport& report, Progress& progress) {
   SurfaceRenderOptions look = o.look;
-  move_from_input(look.picture, model.place());
+  move_from_input(look.picture, model.frame());
   std::optional<ColorBar> bar;
   const std::unique_ptr<ColorField> own = make_colors(o, model, std::move(mesh), bar, progress);
   if (!o.bar) bar.reset();

@@ -1,5 +1,5 @@
 #include "sansmesh/attribute_table.h"
-#include "sansmesh/mesh/fill_holes.h"
+#include "sansmesh/mesh/repair/fill_holes.h"
 #include "sansmesh/repair.h"
 #include "sansmesh/triangle_mesh.h"
 
@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "sansmesh/core/number_words.h"
-#include "sansmesh/mesh/place_edges.h"
+#include "sansmesh/mesh/repair/place_edges.h"
 #include "sansmesh/mesh/topology_words.h"
 
 namespace sansmesh::inline v1 {

@@ -11,7 +11,7 @@ namespace sansmesh::inline v1 {
 
 const OptionSchema& FitFunctionOptions::schema() {
   using O = FitFunctionOptions;
-  static const OptionRow rows[] = {option_group<&O::cloud>(CloudUse::schema().rows),
+  static const OptionRow rows[] = {option_group<&O::cloud>(CloudPreparation::schema().rows),
                                    option_group<&O::fit>(FitOptions::schema().rows)};
   static const OptionSchema schema{rows};
   return schema;

@@ -17,7 +17,7 @@
 #include "sansmesh/flow.h"
 #include "sansmesh/flow/seed_curve.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/point_table.h"
+#include "sansmesh/io/points/point_table.h"
 #include "sansmesh/jobs/flow_series.h"
 #include "sansmesh/jobs/volume_series.h"
 #include "sansmesh/jobs/volume_state.h"

@@ -13,12 +13,12 @@
 #include "sansmesh/jobs/flow_model.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/mesh/arrows.h"
-#include "sansmesh/render/flow_texture.h"
-#include "sansmesh/render/picture_notes.h"
-#include "sansmesh/render/picture_surfaces.h"
-#include "sansmesh/render/transfer_presets.h"
-#include "sansmesh/render/volume_picture.h"
+#include "sansmesh/mesh/edit/arrows.h"
+#include "sansmesh/render/annotate/picture_notes.h"
+#include "sansmesh/render/scene/flow_texture.h"
+#include "sansmesh/render/surface/picture_surfaces.h"
+#include "sansmesh/render/volume/transfer_presets.h"
+#include "sansmesh/render/volume/volume_picture.h"
 
 namespace sansmesh::inline v1 {
 namespace {

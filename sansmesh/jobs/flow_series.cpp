@@ -12,7 +12,7 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/error.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -13,9 +13,9 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/local_frame.h"
+#include "sansmesh/mesh/repair/sewn_mesh.h"
 #include "sansmesh/mesh/topology_words.h"
-#include "sansmesh/placement.h"
 #include "sansmesh/points/cloud_shape.h"
 #include "sansmesh/points/duplicates.h"
 #include "sansmesh/points/orient_words.h"
@@ -76,7 +76,7 @@ CloudInfo info(const PointSet& points, Progress& progress) {
   const Box3f box = bounds(points);
   info.points = points.size();
   info.duplicates = points.size() - count_unique(points);
-  info.box = Placement{points.origin}.to_input(box);
+  info.box = LocalFrame{points.origin}.to_input(box);
   info.size = Vec3(box.size());
   info.spans = span_words(points);
   info.spacing = estimate_spacing(points);
@@ -96,7 +96,7 @@ CloudInfo info(const PointSet& points, Progress& progress) {
 FunctionInfo info(const SurfaceFunction& told) {
   const FittedFunction& function = told.fitted();
   const PartitionReport& r = function.field.report();
-  const Placement& place = function.place;
+  const LocalFrame& frame = function.frame;
   FunctionInfo info;
   info.fits = r.functions;
   info.fits_of_degree = r.functions_of_degree;
@@ -106,10 +106,10 @@ FunctionInfo info(const SurfaceFunction& told) {
   info.behind = r.behind;
   info.samples = function.samples->size();
   info.colors = function.samples->has_colors();
-  info.cube = place.to_input(function.field.bounds());
-  info.spacing = place.to_input(r.spacing);
-  info.deviation = place.to_input(r.noise);
-  info.accuracy = place.to_input(r.accuracy);
+  info.cube = frame.to_input(function.field.bounds());
+  info.spacing = frame.to_input(r.spacing);
+  info.deviation = frame.to_input(r.noise);
+  info.accuracy = frame.to_input(r.accuracy);
   info.history = function.history;
   info.paper = function.paper;
   return info;

@@ -10,8 +10,8 @@
 #include "sansmesh/dataset/isosurface_in_time.h"
 #include "sansmesh/error.h"
 #include "sansmesh/isosurfaces.h"
+#include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/simplify.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/polygonize/space_time_surface.h"
 
@@ -91,16 +91,16 @@ IsosurfaceMomentsResult isosurface_moments(const VolumeSeries& series, const Vol
   r.value = series.steps.at(0).value_or_middle(options.value);
   const auto field = field_in_time(series, r.value, result.notes, progress);
   r.reconstruction = series.steps[0].report();
-  const Placement& place = field->place();
+  const LocalFrame& frame = field->frame();
   SpaceTimeOptions cut;
-  cut.cell = options.mesh.cell ? place.from_input(*options.mesh.cell) : field->median_spacing();
+  cut.cell = options.mesh.cell ? frame.from_input(*options.mesh.cell) : field->median_spacing();
   cut.time_cell = moments.time_cell.value_or(field->shortest_step());
   progress.begin("find surface");
   const SpaceTimeSurface surface(*field, cut, progress);
-  r.blocks = surface.blocks(), r.cell = place.to_input(surface.cell()), r.time_cell = surface.time_cell();
+  r.blocks = surface.blocks(), r.cell = frame.to_input(surface.cell()), r.time_cell = surface.time_cell();
   CollapseOptions simplify;
   simplify.error =
-      options.mesh.mesh_error ? place.from_input(*options.mesh.mesh_error) : kMomentError * field->median_spacing();
+      options.mesh.mesh_error ? frame.from_input(*options.mesh.mesh_error) : kMomentError * field->median_spacing();
   simplify.triangles = options.mesh.triangles.value_or(0);
 
   const TimeRange times = field->times();
@@ -112,7 +112,7 @@ IsosurfaceMomentsResult isosurface_moments(const VolumeSeries& series, const Vol
     TriangleMesh mesh = surface.slice(t);
     Progress quiet;
     if (!mesh.triangles.empty()) simplify_mesh(mesh, simplify, quiet);
-    move_to_input(mesh, place);
+    move_to_input(mesh, frame);
     if (mesh.triangles.empty())
       result.notes.push_back({.code = "no_surface",
                               .text = fmt::format("there is no surface at the moment {:.6g}", t),

@@ -12,7 +12,7 @@
 #include "sansmesh/io/animation.h"
 #include "sansmesh/io/formats.h"
 #include "sansmesh/io/names.h"
-#include "sansmesh/io/write_tets.h"
+#include "sansmesh/io/tets/write_tets.h"
 #include "sansmesh/jobs/frame_names.h"
 
 namespace sansmesh::inline v1 {

@@ -8,8 +8,8 @@
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/dynamics/tet_map.h"
 #include "sansmesh/field/deformed_volume.h"
-#include "sansmesh/render/picture_surfaces.h"
-#include "sansmesh/render/volume_picture.h"
+#include "sansmesh/render/surface/picture_surfaces.h"
+#include "sansmesh/render/volume/volume_picture.h"
 #include "sansmesh/simulate.h"
 #include "sansmesh/volumes.h"
 

@@ -80,8 +80,8 @@ void check_objects(const std::vector<PictureObject>& objects, const PictureOptio
     refuse({{"name", !o.names.empty()}}, "is for the list of several objects: there is one");
   else  // each would have a curvature of its own
     refuse({{"line_strength", o.look.picture.look.line_strength != RenderOptions().look.line_strength},
-            {"bend_light",
-             o.look.picture.look.bend_light != RenderOptions().look.bend_light && o.look.picture.look.bend_light != 0}},
+            {"curvature_shading", o.look.picture.look.curvature_shading != RenderOptions().look.curvature_shading &&
+                                      o.look.picture.look.curvature_shading != 0}},
            "is about curvature, which pictures of several objects do not show: draw one");
 }
 

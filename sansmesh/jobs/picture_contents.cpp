@@ -6,7 +6,7 @@
 #include "sansmesh/io.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/model/surface_model.h"
-#include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render/surface/surface_caster.h"
 #include "sansmesh/surface_function.h"
 
 namespace sansmesh::inline v1 {
@@ -51,7 +51,7 @@ void PictureContents::add_points(const std::string& file, const RenderOptions& l
                                                 progress));
   const SeenSurface& s = *seen_.back();
   add_notes(notes_, "surface", s.model.warnings(), file);
-  surfaces_.push_back(surface_in_picture(s.caster, s.model.place(), s.model.colors(), surface));
+  surfaces_.push_back(surface_in_picture(s.caster, s.model.frame(), s.model.colors(), surface));
 }
 
 }  // namespace sansmesh::inline v1

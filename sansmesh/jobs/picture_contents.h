@@ -8,7 +8,7 @@
 #include "sansmesh/note.h"
 #include "sansmesh/option.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/render/picture_surfaces.h"
+#include "sansmesh/render/surface/picture_surfaces.h"
 
 namespace sansmesh::inline v1 {
 

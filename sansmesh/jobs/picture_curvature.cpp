@@ -35,12 +35,13 @@ class ModelCurvature final : public CurvatureField {
 }  // namespace
 
 bool wants_curvature(const RenderOptions& options) {
-  return options.look.lines != PictureLook::Lines::none || (options.look.accessibility && options.look.bend_light > 0);
+  return options.look.lines != PictureLook::Lines::none ||
+         (options.look.accessibility && options.look.curvature_shading > 0);
 }
 
 std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, Progress& progress) {
   const SurfaceReport& report = model.report();
-  double spacing = model.place().from_input(std::max(report.spacing, 2 * report.noise));
+  double spacing = model.frame().from_input(std::max(report.spacing, 2 * report.noise));
   if (!(spacing > 0)) {  // not kept with the function
     std::vector<float> radii = model.balls().radii;
     const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
@@ -53,32 +54,33 @@ std::unique_ptr<CurvatureField> curvature_of_surface(const SurfaceModel& model, 
 std::unique_ptr<CurvatureField> curvature_at_samples(const SurfaceModel& model, Progress& progress) {
   progress.begin("curvature");
   CurvatureOptions options;
-  options.noise = model.place().from_input(model.report().noise);
-  return std::make_unique<SampleCurvature>(model.points(), Placement{}, options, progress);
+  options.noise = model.frame().from_input(model.report().noise);
+  return std::make_unique<SampleCurvature>(model.points(), LocalFrame{}, options, progress);
 }
 
-std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudUse& use, Progress& progress) {
+std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudPreparation& use, Progress& progress) {
   if (mesh.triangles.empty() || use.faces == FaceUse::ignore) return std::nullopt;
   if (use.faces == FaceUse::automatic && face_samples_wanted(mesh) == 0) return std::nullopt;
-  CloudUse own = use;
+  CloudPreparation own = use;
   own.faces = FaceUse::vertices;
   PreparedCloud cloud = prepare_cloud(mesh, own, progress);
   progress.begin("curvature");
-  CurvedVertices made{std::move(cloud.points), cloud.place, {}};
+  CurvedVertices made{std::move(cloud.points), cloud.frame, {}};
   made.curvatures = estimate_vertex_curvatures(made.points, {}, progress);
   return made;
 }
 
-std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudUse& use, Progress& progress) {
+std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudPreparation& use,
+                                                     Progress& progress) {
   if (points.size() < kFewestSamples) return nullptr;
   try {
     if (const auto mesh = curved_vertices(points, use, progress))
-      return std::make_unique<SampleCurvature>(mesh->points, mesh->curvatures, mesh->place);
+      return std::make_unique<SampleCurvature>(mesh->points, mesh->curvatures, mesh->frame);
     const PreparedCloud cloud = prepare_cloud(points, use, progress);
     progress.begin("curvature");
     CurvatureOptions options;
     options.noise = cloud.noise;
-    return std::make_unique<SampleCurvature>(cloud.points, cloud.place, options, progress);
+    return std::make_unique<SampleCurvature>(cloud.points, cloud.frame, options, progress);
   } catch (const DataError&) {
     return nullptr;  // points that make no surface have silhouettes all the same
   }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "sansmesh/field/curvature_field.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/model/surface_model.h"
-#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
@@ -33,15 +33,16 @@ std::unique_ptr<CurvatureField> curvature_at_samples(const SurfaceModel& model, 
 /// A mesh with the curvatures at its vertices, in coordinates of its own.
 struct CurvedVertices {
   PointSet points;
-  Placement place;
+  LocalFrame frame;
   std::vector<PrincipalCurvatures> curvatures;
 };
 
 /// For a mesh of whose faces `use` makes samples: these lie on flat triangles, and the mesh is bent at its vertices.
 /// Nothing for others. Throws DataError where they make no surface.
-std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudUse& use, Progress& progress);
+std::optional<CurvedVertices> curved_vertices(const PointSet& mesh, const CloudPreparation& use, Progress& progress);
 
 /// Of a mesh or cloud, in the coordinates of the input: estimated at its vertices. Null where they make no surface.
-std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudUse& use, Progress& progress);
+std::unique_ptr<CurvatureField> curvature_of_samples(const PointSet& points, const CloudPreparation& use,
+                                                     Progress& progress);
 
 }  // namespace sansmesh::inline v1

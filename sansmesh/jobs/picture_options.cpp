@@ -8,7 +8,7 @@
 #include "sansmesh/jobs/given_options.h"
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/model/surface_method.h"
-#include "sansmesh/render/color_words.h"
+#include "sansmesh/render/scene/color_words.h"
 
 namespace sansmesh::inline v1 {
 namespace {

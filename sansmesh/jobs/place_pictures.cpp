@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "sansmesh/core/boxes.h"
-#include "sansmesh/mesh/components.h"
-#include "sansmesh/render/camera.h"
-#include "sansmesh/render/painter.h"
-#include "sansmesh/render/stroke_text.h"
+#include "sansmesh/mesh/repair/components.h"
+#include "sansmesh/render/annotate/stroke_text.h"
+#include "sansmesh/render/scene/camera.h"
+#include "sansmesh/render/scene/painter.h"
 #include "sansmesh/render_options.h"
 
 namespace sansmesh::inline v1 {

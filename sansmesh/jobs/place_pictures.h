@@ -7,7 +7,7 @@
 #include "sansmesh/function/diagnose_function.h"
 #include "sansmesh/image.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/render/ray_scene.h"
+#include "sansmesh/render/scene/ray_scene.h"
 #include "sansmesh/render_options.h"
 
 namespace sansmesh::inline v1 {

@@ -37,13 +37,13 @@ ProbeFunctionResult probe_function(const SurfaceFunction& probed, std::span<cons
   const FittedFunction& function = probed.fitted();
   const std::size_t n = places.size();
   std::vector<Vec3> x(n);
-  for (std::size_t i = 0; i < n; ++i) x[i] = function.place.from_input(places[i]);
+  for (std::size_t i = 0; i < n; ++i) x[i] = function.frame.from_input(places[i]);
   ProbeFunctionResult result;
   std::vector<LevelSetPoint> values(n);
   level_set_points(function.field, x, kLevelSetStep * function.field.report().spacing, values);
   result.values.reserve(n);
   for (std::size_t i = 0; i < n; ++i) result.values.push_back({values[i], places[i]});
-  const double unit = function.place.unit;
+  const double unit = function.frame.unit;
   ProbeFunctionReport& r = result.report;
   r.points = n;
   std::vector<double> size(n);

@@ -11,7 +11,7 @@
 #include "sansmesh/deform/handle_file.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/jobs/deform_parts.h"
 
 namespace sansmesh::inline v1 {

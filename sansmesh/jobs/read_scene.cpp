@@ -6,7 +6,7 @@
 #include "sansmesh/dataset/tet_dataset.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/file_content.h"
-#include "sansmesh/io/vertex_list.h"
+#include "sansmesh/io/tets/vertex_list.h"
 #include "sansmesh/simulate.h"
 
 namespace sansmesh::inline v1 {

@@ -34,7 +34,7 @@ constexpr double kErrorOverSpacing = 0.037, kErrorOverNoise = 0.1;
 
 constexpr const char* kKeepAll = "; `components = all` keeps every part";
 
-PreparedCloud prepare(PointSet points, const CloudUse& use, Progress& progress, ReconstructReport& r) {
+PreparedCloud prepare(PointSet points, const CloudPreparation& use, Progress& progress, ReconstructReport& r) {
   PreparedCloud cloud = prepare_cloud(std::move(points), use, progress);
   r.estimated_normals = cloud.estimated_normals;
   r.oriented_by = cloud.oriented_by;
@@ -65,12 +65,12 @@ void reconstruct_surface(PointSet points, const ReconstructOptions& options, Pro
   add_notes(result.notes, "preparation", model.warnings());
   r.spacing = model.report().spacing;
   r.noise = model.report().noise;
-  const Placement& place = model.place();
-  const double spacing = place.from_input(r.spacing);
+  const LocalFrame& frame = model.frame();
+  const double spacing = frame.from_input(r.spacing);
   const double mesh_error = asked.mesh_error
-                                ? place.from_input(*asked.mesh_error)
-                                : std::max(kErrorOverSpacing * spacing, place.from_input(kErrorOverNoise * r.noise));
-  r.mesh_error = place.to_input(mesh_error);
+                                ? frame.from_input(*asked.mesh_error)
+                                : std::max(kErrorOverSpacing * spacing, frame.from_input(kErrorOverNoise * r.noise));
+  r.mesh_error = frame.to_input(mesh_error);
   PolygonizeOptions meshing = meshing_options(asked, mesh_error, traits.creases);
   const ScalarField& field = model.field(progress);
   meshing.placement = model.placement(progress);
@@ -80,9 +80,9 @@ void reconstruct_surface(PointSet points, const ReconstructOptions& options, Pro
   BlockTree blocks = model.blocks_for(feet, mesh_error);
   progress.begin("find borders");
   std::optional<double> fill, trim;
-  if (asked.fill_holes) fill = std::min(place.from_input(*asked.fill_holes), blocks.edge());
+  if (asked.fill_holes) fill = std::min(frame.from_input(*asked.fill_holes), blocks.edge());
   if (asked.trim)
-    trim = *asked.trim > 0 ? place.from_input(*asked.trim) : std::max(4 * spacing, 6 * place.from_input(r.noise));
+    trim = *asked.trim > 0 ? frame.from_input(*asked.trim) : std::max(4 * spacing, 6 * frame.from_input(r.noise));
   std::optional<bool> solid;
   if (options.fit.open) solid = !*options.fit.open;
   // Beyond those of the samples they are of what closes holes.
@@ -96,13 +96,13 @@ void reconstruct_surface(PointSet points, const ReconstructOptions& options, Pro
   TriangleMesh& mesh = result.mesh = cut_out(field, blocks, asked, meshing, progress, r);
 
   progress.begin("finish mesh");
-  finish_mesh(mesh, model.points(), spacing, place.from_input(r.noise), mesh_error, asked, r);
-  mark_confidence(mesh, model.points(), spacing, place.from_input(r.noise), place, asked, r);
+  finish_mesh(mesh, model.points(), spacing, frame.from_input(r.noise), mesh_error, asked, r);
+  mark_confidence(mesh, model.points(), spacing, frame.from_input(r.noise), frame, asked, r);
   if (r.most_lost) {
-    r.most_lost = place.to_input(*r.most_lost);
+    r.most_lost = frame.to_input(*r.most_lost);
     r.warnings.push_back(lost_samples(r) + kKeepAll);
   }
-  move_to_input(mesh, place);
+  move_to_input(mesh, frame);
   add_notes(result.notes, "mesh", r.warnings);
   progress.finish();
 }
@@ -112,7 +112,7 @@ void reconstruct_surface(PointSet points, const ReconstructOptions& options, Pro
 const OptionSchema& ReconstructOptions::schema() {
   using O = ReconstructOptions;
   static const OptionRow rows[] = {
-      option_group<&O::cloud>(CloudUse::schema().rows), option_group<&O::fit>(FitOptions::schema().rows),
+      option_group<&O::cloud>(CloudPreparation::schema().rows), option_group<&O::fit>(FitOptions::schema().rows),
       option_group<&O::mesh>(MeshOptions::schema().rows), option_group<&O::surface>(SurfaceOptions::schema().rows)};
   static const OptionSchema schema{rows};
   return schema;
@@ -152,8 +152,8 @@ ReconstructResult reconstruct(PointSet points, const ReconstructOptions& options
       fit_surface_function(prepare(std::move(points), options.cloud, progress, r), options.fit, progress);
   const PartitionReport& f = function.field.report();
   result.mesh = mesh_function(function, options.mesh, progress, &r);
-  r.spacing = function.place.to_input(f.spacing);
-  r.noise = function.place.to_input(f.noise);
+  r.spacing = function.frame.to_input(f.spacing);
+  r.noise = function.frame.to_input(f.noise);
   r.fits = f.functions;
   r.fit_depth = f.depth;
   r.fits_of_degree = f.functions_of_degree;

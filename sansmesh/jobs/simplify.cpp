@@ -14,9 +14,9 @@
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/components.h"
-#include "sansmesh/mesh/place_edges.h"
-#include "sansmesh/mesh/simplify.h"
+#include "sansmesh/mesh/edit/simplify.h"
+#include "sansmesh/mesh/repair/components.h"
+#include "sansmesh/mesh/repair/place_edges.h"
 #include "sansmesh/mesh/topology_words.h"
 #include "sansmesh/mesh_measures.h"
 

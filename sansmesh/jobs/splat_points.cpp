@@ -25,7 +25,7 @@ SplatPoints spread_splats(const SurfaceModel& model, std::size_t count, const Co
   PointSet& points = splats.points;
   points = resample_surface(model, count, {}, progress);
   if (points.size() == 0) throw DataError("no point of the surface was found");
-  move_from_input(points, model.place());
+  move_from_input(points, model.frame());
   if (colors) {
     std::vector<Vec3> x;
     x.reserve(points.size());
@@ -42,7 +42,7 @@ SplatPoints spread_splats(const SurfaceModel& model, std::size_t count, const Co
   const std::vector<PrincipalCurvatures> bends =
       estimate_curvatures(points, {.neighbours = 20, .noise = 0.0}, progress);
   const float spacing =
-      static_cast<float>(model.place().from_input(model.report().spacing)) *
+      static_cast<float>(model.frame().from_input(model.report().spacing)) *
       std::sqrt(static_cast<float>(std::max<std::size_t>(1, given)) / static_cast<float>(points.size()));
   splats.stretches.resize(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -8,7 +8,7 @@
 #include "sansmesh/model/surface_model.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
-#include "sansmesh/render/blended_splats.h"
+#include "sansmesh/render/splat/blended_splats.h"
 
 namespace sansmesh::inline v1 {
 

@@ -9,7 +9,7 @@
 
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/points/close_points.h"
 #include "sansmesh/points/spacing.h"
 

@@ -11,7 +11,7 @@
 #include "sansmesh/isosurfaces.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/volume/volume_values.h"
+#include "sansmesh/volume/grid/volume_values.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -10,10 +10,10 @@
 #include "sansmesh/jobs/color_bar.h"
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/render/picture_notes.h"
-#include "sansmesh/render/surface_caster.h"
-#include "sansmesh/render/surface_picture.h"
-#include "sansmesh/render/transfer_presets.h"
+#include "sansmesh/render/annotate/picture_notes.h"
+#include "sansmesh/render/surface/surface_caster.h"
+#include "sansmesh/render/surface/surface_picture.h"
+#include "sansmesh/render/volume/transfer_presets.h"
 #include "sansmesh/surface/bilateral_normals.h"
 #include "sansmesh/surface/curvature_colors.h"
 #include "sansmesh/surface/curvature_words.h"
@@ -26,8 +26,8 @@ namespace {
 class ArrayColors : public ColorField {
  public:
   /// The colours span what the array has at the places `seen`.
-  ArrayColors(std::shared_ptr<const VolumeField> field, const Placement& place, std::span<const Vec3> seen)
-      : field_(std::move(field)), place_(place) {
+  ArrayColors(std::shared_ptr<const VolumeField> field, const LocalFrame& frame, std::span<const Vec3> seen)
+      : field_(std::move(field)), frame_(frame) {
     const std::vector<double> there = values(seen);
     colors_ = transfer_function_preset("flow", value_histogram(there));
     const auto [lower, upper] = colors_.range();
@@ -43,14 +43,14 @@ class ArrayColors : public ColorField {
  private:
   std::vector<double> values(std::span<const Vec3> x) const {
     std::vector<Vec3> input(x.size());
-    for (std::size_t i = 0; i < x.size(); ++i) input[i] = place_.to_input(x[i]);
+    for (std::size_t i = 0; i < x.size(); ++i) input[i] = frame_.to_input(x[i]);
     std::vector<double> v(x.size());
     field_->query({.points = input}, {.values = v});
     return v;
   }
 
   std::shared_ptr<const VolumeField> field_;
-  Placement place_;
+  LocalFrame frame_;
   TransferFunction colors_;
   BarEnds ends_;
 };
@@ -102,12 +102,12 @@ SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, cons
     : state_(std::make_unique<State>(State{of.surface, {}, {}, {}, {}})) {
   look.validate();
   State& s = *state_;
-  const Placement& place = of.surface->place();
+  const LocalFrame& frame = of.surface->frame();
   PointSet points;
   if (!look.color_by.empty() || look.sharp) points = of.surface->feet();
   if (const auto quantity = look.curvature()) {
     // Curvatures of the input, a length or an area below the line, in coordinates of the surface.
-    const double unit = *quantity == CurvatureQuantity::gaussian ? place.unit * place.unit : place.unit;
+    const double unit = *quantity == CurvatureQuantity::gaussian ? frame.unit * frame.unit : frame.unit;
     CurvatureColorOptions o;
     o.quantity = *quantity;
     if (look.color_range) o.range = *look.color_range * unit;
@@ -118,7 +118,7 @@ SurfaceInVolumePictures::SurfaceInVolumePictures(const SurfaceInVolume& of, cons
   } else if (!look.color_by.empty()) {
     auto field = volume.field(volume.scalar_choice(look.color_by, "color_by"), progress, notes);
     const std::vector<Vec3> seen(points.positions.begin(), points.positions.end());
-    auto colors = std::make_unique<ArrayColors>(std::move(field), place, seen);
+    auto colors = std::make_unique<ArrayColors>(std::move(field), frame, seen);
     s.shown = ShownColors{
         .array = look.color_by, .curvature = {}, .range = 0, .colors = colors->colors(), .ends = colors->ends()};
     s.colors = std::move(colors);
@@ -140,7 +140,7 @@ Image SurfaceInVolumePictures::render(const SurfaceRenderOptions& options, Progr
   options.validate();
   const State& s = *state_;
   SurfaceRenderOptions own = options;
-  move_from_input(own.picture, s.surface->place());
+  move_from_input(own.picture, s.surface->frame());
   return render_surface(*s.caster, s.surface->balls().centers, s.colors.get(), own, progress);
 }
 

@@ -8,12 +8,12 @@
 #include "sansmesh/jobs/picture_checks.h"
 #include "sansmesh/jobs/volume_subject.h"
 #include "sansmesh/jobs/with_name.h"
-#include "sansmesh/mesh/tubes.h"
-#include "sansmesh/render/baked_volume.h"
-#include "sansmesh/render/camera.h"
-#include "sansmesh/render/picture_surfaces.h"
-#include "sansmesh/render/volume_picture.h"
-#include "sansmesh/volume/volume_boundary.h"
+#include "sansmesh/mesh/edit/tubes.h"
+#include "sansmesh/render/scene/camera.h"
+#include "sansmesh/render/surface/picture_surfaces.h"
+#include "sansmesh/render/volume/baked_volume.h"
+#include "sansmesh/render/volume/volume_picture.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 #include "sansmesh/volumes.h"
 
 namespace sansmesh::inline v1 {

@@ -14,7 +14,7 @@
 #include "sansmesh/dataset/isosurface.h"
 #include "sansmesh/dataset/volume_file.h"
 #include "sansmesh/error.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/jobs/with_name.h"
 #include "sansmesh/volume/choose_reconstruction.h"
 #include "sansmesh/volume/volume_traits.h"

@@ -1,6 +1,6 @@
 #include "sansmesh/jobs/volume_subject.h"
 
-#include "sansmesh/volume/volume_boundary.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 
 namespace sansmesh::inline v1 {
 

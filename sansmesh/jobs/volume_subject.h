@@ -1,7 +1,7 @@
 // Facts of samples that pictures of their volume need, besides fields.
 #pragma once
 
-#include "sansmesh/render/volume_picture.h"
+#include "sansmesh/render/volume/volume_picture.h"
 #include "sansmesh/sampled_volume.h"
 #include "sansmesh/triangle_mesh.h"
 

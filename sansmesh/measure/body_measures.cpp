@@ -8,9 +8,9 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/measure/component_overlap.h"
-#include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_size.h"
-#include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/mesh/repair/components.h"
+#include "sansmesh/mesh/repair/sewn_mesh.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -8,7 +8,7 @@
 #include "sansmesh/box.h"
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/mesh/self_intersections.h"
+#include "sansmesh/mesh/repair/self_intersections.h"
 #include "sansmesh/search/box_levels.h"
 #include "sansmesh/search/kd_tree.h"
 

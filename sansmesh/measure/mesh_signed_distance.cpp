@@ -5,7 +5,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/measure/points_signed_distance.h"
-#include "sansmesh/mesh/same_places.h"
+#include "sansmesh/mesh/repair/same_places.h"
 
 namespace sansmesh::inline v1 {
 MeshDistance::MeshDistance(const TriangleMesh& mesh) : mesh_(mesh), closest_(mesh) {

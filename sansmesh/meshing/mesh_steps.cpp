@@ -10,9 +10,9 @@
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_coverage.h"
 #include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/points/sample_colors.h"
 #include "sansmesh/points/sample_confidence.h"
@@ -213,7 +213,7 @@ TriangleMesh cut_out(const ScalarField& field, const BlockTree& blocks, const Me
   return polygonize(field, blocks, {}, meshing, progress);
 }
 
-void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const Placement& place,
+void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const LocalFrame& frame,
                      const MeshOptions& options, const MeshReport& r) {
   if (!options.confidence.value_or(r.open && points.size() > 0)) return;
   if (points.size() == 0) throw DataError("there is no confidence without samples, and they were not kept");
@@ -222,7 +222,7 @@ void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing,
   std::vector<Vec3f> x = mesh.vertices;
   for (Vec3f& p : x) p += shift;
   SampleConfidence(points, spacing, noise).evaluate(x, distance, confidence);
-  for (float& d : distance) d = static_cast<float>(place.to_input(static_cast<double>(d)));
+  for (float& d : distance) d = static_cast<float>(frame.to_input(static_cast<double>(d)));
   mesh.attributes.set("distance", std::move(distance));
   mesh.attributes.set("confidence", std::move(confidence));
 }

@@ -6,9 +6,9 @@
 #include <functional>
 #include <vector>
 
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/local_frame.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_options.h"
-#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "sansmesh/progress.h"
@@ -53,7 +53,7 @@ void carry_colors(TriangleMesh& mesh, const PointSet& points, const KdTree& samp
 
 /// Fills in the attributes of `confidence`, if they are wanted; in the coordinates of the field, which lie so in the
 /// input. Throws DataError if they were asked for and there are no samples.
-void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const Placement& place,
+void mark_confidence(TriangleMesh& mesh, const PointSet& points, double spacing, double noise, const LocalFrame& frame,
                      const MeshOptions& options, const MeshReport& r);
 
 /// Fills in which samples have no surface.

@@ -63,8 +63,8 @@ void descend(const ScalarField& field, std::span<const Vec3> x, double tolerance
 /// All of x onto the surface, in parallel.
 std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, const ProjectToSurface& options,
                           Progress& progress) {
-  const double tolerance = model.place().from_input(options.tolerance * model.report().spacing);
-  const double longest_step = model.place().from_input(std::max(model.report().spacing, 2 * model.report().noise));
+  const double tolerance = model.frame().from_input(options.tolerance * model.report().spacing);
+  const double longest_step = model.frame().from_input(std::max(model.report().spacing, 2 * model.report().noise));
   std::vector<Foot> feet(x.size());
   const std::size_t batches = (x.size() + kBatch - 1) / kBatch;
   const ScalarField* const field = model.projection() ? nullptr : &model.field(progress);
@@ -93,8 +93,8 @@ std::vector<Foot> feet_of(const SurfaceModel& model, std::span<const Vec3> x, co
 
 /// Says which feet are farther from their points, or from all samples, than noise could be.
 std::vector<std::uint8_t> far_off(const SurfaceModel& model, std::span<const Vec3> x, std::span<const Foot> feet) {
-  const double spacing = model.place().from_input(model.report().spacing);
-  const double noise = model.place().from_input(model.report().noise);
+  const double spacing = model.frame().from_input(model.report().spacing);
+  const double noise = model.frame().from_input(model.report().noise);
   const KdTree tree(model.points().positions);
   std::vector<std::uint8_t> far(x.size());
   parallel_for(0, x.size(), kBatch, [&](std::size_t i) {
@@ -159,9 +159,9 @@ void ProjectToSurface::validate() const { validate_options(*this); }
 PointSet project_points(const PointSet& points, const SurfaceModel& model, const ProjectToSurface& options,
                         Progress& progress, SurfaceProjection* report) {
   options.validate();
-  const Placement& place = model.place();
+  const LocalFrame& frame = model.frame();
   std::vector<Vec3> x(points.size());
-  for (std::size_t i = 0; i < x.size(); ++i) x[i] = place.from_input(points.origin, points.positions[i]);
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = frame.from_input(points.origin, points.positions[i]);
   const std::vector<Foot> feet = feet_of(model, x, options, progress);
   const std::vector<std::uint8_t> far = far_off(model, x, feet);
 
@@ -179,11 +179,11 @@ PointSet project_points(const PointSet& points, const SurfaceModel& model, const
       ++r.left_out;
       continue;
     }
-    const double move = place.to_input(norm(feet[i].position - x[i]));
+    const double move = frame.to_input(norm(feet[i].position - x[i]));
     r.mean_move += move;
     r.rms_move += move * move;
     r.largest_move = std::max(r.largest_move, move);
-    result.positions[i] = Vec3f(place.to_input(feet[i].position) - points.origin);
+    result.positions[i] = Vec3f(frame.to_input(feet[i].position) - points.origin);
     result.normals[i] = Vec3f(feet[i].normal);
     ++r.projected;
   }
@@ -228,9 +228,9 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
 
   // Poisson discs: each point keeps others out of its surroundings; the radius that leaves about `count` of them.
   progress.begin("spread");
-  const Placement& place = model.place();
+  const LocalFrame& frame = model.frame();
   const double area =
-      static_cast<double>(model.report().samples) * std::pow(place.from_input(model.report().spacing), 2);
+      static_cast<double>(model.report().samples) * std::pow(frame.from_input(model.report().spacing), 2);
   double radius = std::sqrt(0.7 * area / static_cast<double>(count) * 4 / std::numbers::pi);
   std::vector<Vec3> places;
   places.reserve(feet.size());
@@ -259,7 +259,7 @@ PointSet resample_surface(const SurfaceModel& model, std::size_t count, const Pr
     model.colors()->evaluate(chosen, colors);
     for (const Vec3f& c : colors) result.colors.push_back({to_byte(c.x), to_byte(c.y), to_byte(c.z)});
   }
-  move_to_input(result, place);
+  move_to_input(result, frame);
   if (report) *report = {.projected = result.size()};
   progress.finish();
   return result;

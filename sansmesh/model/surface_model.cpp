@@ -36,11 +36,11 @@ class SharpenedNormals : public NormalField {
 };
 
 /// With lengths in the coordinates of a prepared cloud.
-SurfaceOptions placed(SurfaceOptions options, const Placement& place) {
+SurfaceOptions placed(SurfaceOptions options, const LocalFrame& frame) {
   for_each_option(SurfaceOptions::schema(), &options, [&](const OptionRow& row, void* owner) {
     const OptionValue value = row.get(owner);
     const auto* const length = row.unit == "length" ? std::get_if<double>(&value) : nullptr;
-    if (length) row.set(owner, place.from_input(*length));
+    if (length) row.set(owner, frame.from_input(*length));
   });
   return options;
 }
@@ -87,8 +87,8 @@ struct SurfaceModel::State {
 void SurfaceModel::State::take(SurfaceParts made, std::string_view method) {
   parts = std::move(made);
   report = {.method = std::string(method),
-            .spacing = cloud.place.to_input(parts.spacing),
-            .noise = cloud.place.to_input(parts.noise),
+            .spacing = cloud.frame.to_input(parts.spacing),
+            .noise = cloud.frame.to_input(parts.noise),
             .smoothing = parts.smoothing,
             .order = parts.order,
             .iterations = parts.iterations,
@@ -106,7 +106,7 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
   auto state = std::make_unique<SurfaceModel::State>();
   state->cloud = std::move(prepared);
   if (options.sharp) sharpen_estimated_normals(state->cloud, progress);
-  const SurfaceOptions inner = placed(options, state->cloud.place);
+  const SurfaceOptions inner = placed(options, state->cloud.frame);
   state->take(surface_method(options.method).make(state->cloud, inner, progress), options.method);
   if (options.sharp) {
     if (!state->parts.samples) throw ArgumentError("`sharp` means nothing to the surface " + options.method);
@@ -120,7 +120,7 @@ SurfaceModel make_surface_model(PreparedCloud prepared, const SurfaceOptions& op
 SurfaceModel make_surface_model(FittedFunction function) {
   auto state = std::make_unique<SurfaceModel::State>();
   state->cloud.points = *function.samples;
-  state->cloud.place = function.place;
+  state->cloud.frame = function.frame;
   state->take(partition_parts(std::move(function.field)), kPartitionSurface);
   return SurfaceModel(std::move(state));
 }
@@ -130,7 +130,7 @@ SurfaceModel::~SurfaceModel() = default;
 SurfaceModel::SurfaceModel(SurfaceModel&&) noexcept = default;
 SurfaceModel& SurfaceModel::operator=(SurfaceModel&&) noexcept = default;
 
-const Placement& SurfaceModel::place() const { return state_->cloud.place; }
+const LocalFrame& SurfaceModel::frame() const { return state_->cloud.frame; }
 const ScalarField& SurfaceModel::field(Progress& progress) const {
   std::call_once(state_->field_made, [&] { state_->make_field(progress); });
   return *state_->field;

@@ -14,8 +14,8 @@
 #include "sansmesh/field/normal_field.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/function/fitted_function.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/model/surface_method.h"
-#include "sansmesh/placement.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/prepare_cloud.h"
 #include "sansmesh/progress.h"
@@ -33,7 +33,7 @@ class SurfaceModel {
   SurfaceModel& operator=(SurfaceModel&&) noexcept;
 
   // Everything below but the report is in coordinates of the model's own.
-  const Placement& place() const;
+  const LocalFrame& frame() const;
 
   /// The surface as a field; for projections, the signed distance to the foot point. These make it when it is first
   /// asked for, which pictures never do: that is what the progress tells of, and may be cancelled.

@@ -91,7 +91,8 @@ void decide_open(std::optional<bool> open, std::span<const Vec3f> samples, Parti
     judged[k] = k == 0 || (sheets.area[k] >= kSmallSheet * sheets.area[0] && sheets.evidence[k] >= kLeastEvidence);
 
   // A sheet is closed alone (an object above a floor, which would reduce the sum of all), or together with others that
-  // are closed: a floor is not informative about the one below. Hence open sheets are removed until nothing changes.
+  // are closed: a floor is not informative about the one below. Therefore open sheets are removed until nothing
+  // changes.
   std::vector<double> behind(sheets.size()), alone(sheets.size());
   for (std::size_t k = 0; k < sheets.size(); ++k)
     if (judged[k]) alone[k] = mean_behind(GlobalSign(of_sheet[k], data.edge), of_sheet[k]);

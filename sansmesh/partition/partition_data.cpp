@@ -69,8 +69,8 @@ bool in_order(const Support& a, const Support& b) {
   return place(a.level, a.code + 1) <= place(b.level, b.code);
 }
 
-/// Further pieces follow the functions of the supports, those of each support together and in its order. Hence chains
-/// end, and no piece belongs to two supports.
+/// Further pieces follow the functions of the supports, those of each support together and in its order. Therefore
+/// chains end, and no piece belongs to two supports.
 bool is_chained(const PartitionData& data) {
   const auto& functions = data.functions;
   const auto next = [&](std::size_t i) { return static_cast<std::int64_t>(functions[i].next); };

@@ -1,4 +1,4 @@
-// Bounds of the function in a ball. F is a mean of the local functions that reach the ball and of the far field, hence
+// Bounds of the function in a ball. F is a mean of the local functions that reach the ball and of the far field, so
 // between the smallest and the largest of their values. The slopes of local functions are known; if some are positive
 // and some are negative, bounds of their weights may still determine the sign. No useful bound of the far field's slope
 // is known (bounded patch by patch, it takes a thousand times as long as a value, and is inconclusive at most points

@@ -14,7 +14,7 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/local_frame.h"
+#include "sansmesh/points/principal_axes.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh::inline v1 {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/points/local_frame.h"
+#include "sansmesh/points/principal_axes.h"
 
 namespace sansmesh::inline v1 {
 namespace {

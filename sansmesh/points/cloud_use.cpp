@@ -19,17 +19,18 @@ struct ClassWords {
 };
 
 constexpr OptionRow kRows[] = {
-    option<&CloudUse::faces>({.text = "Of a mesh: sample its faces, ignore them, take its vertices, however few, or "
-                                      "auto (sample where vertices are sparse)",
-                              .choices = kFaces}),
-    option<&CloudUse::normals>(
+    option<&CloudPreparation::faces>(
+        {.text = "Of a mesh: sample its faces, ignore them, take its vertices, however few, or "
+                 "auto (sample where vertices are sparse)",
+         .choices = kFaces}),
+    option<&CloudPreparation::normals>(
         {.text = "Use given ones as they are, estimate new ones, or auto (turn given ones if need be)",
          .choices = kNormals}),
-    option<&CloudUse::orient_by>(
+    option<&CloudPreparation::orient_by>(
         {.text = "From what normals get their signs (auto: the first that is known)", .choices = kOrientByWords}),
-    option<&CloudUse::align>({.text = "Move scans that do not quite fit together onto each other"}),
-    option<&CloudUse::remove_outliers>({.text = "Leave out samples that belong to no surface, such as strays"}),
-    option<&CloudUse::classes, ClassWords>(
+    option<&CloudPreparation::align>({.text = "Move scans that do not quite fit together onto each other"}),
+    option<&CloudPreparation::remove_outliers>({.text = "Leave out samples that belong to no surface, such as strays"}),
+    option<&CloudPreparation::classes, ClassWords>(
         {.text = "Only points of these classes, with commas between them: names (ground, building) or numbers (2, 3-5)",
          .unit = "classes",
          .from_data = "all",
@@ -38,6 +39,6 @@ constexpr OptionSchema kSchema{kRows};
 
 }  // namespace
 
-const OptionSchema& CloudUse::schema() { return kSchema; }
+const OptionSchema& CloudPreparation::schema() { return kSchema; }
 
 }  // namespace sansmesh::inline v1

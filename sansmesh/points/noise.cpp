@@ -15,8 +15,8 @@
 
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/neighbourhood_sample.h"
+#include "sansmesh/points/principal_axes.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -10,8 +10,8 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/index_in.h"
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/noise.h"
+#include "sansmesh/points/principal_axes.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 

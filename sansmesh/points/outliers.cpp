@@ -8,9 +8,9 @@
 #include "sansmesh/core/median.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/union_find.h"
-#include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
+#include "sansmesh/points/principal_axes.h"
 #include "sansmesh/points/spacing.h"
 #include "sansmesh/search/kd_tree.h"
 

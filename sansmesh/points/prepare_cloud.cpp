@@ -144,7 +144,7 @@ OrientationCheck judged_orientation(const PreparedCloud& cloud) {
   return check_orientation(cloud.points, cloud.noise);
 }
 
-void prepare_normals(PreparedCloud& cloud, const CloudUse& use, Progress& progress) {
+void prepare_normals(PreparedCloud& cloud, const CloudPreparation& use, Progress& progress) {
   PointSet& points = cloud.points;
   if (use.normals == NormalUse::as_given) {
     if (use.orient_by != OrientBy::automatic)
@@ -207,7 +207,7 @@ bool align_scans(PreparedCloud& cloud, bool move, Progress& progress) {
     if (move) throw;
     return false;
   }
-  const auto words = [&](double length) { return fmt::format("{:.3g}", cloud.place.to_input(length)); };
+  const auto words = [&](double length) { return fmt::format("{:.3g}", cloud.frame.to_input(length)); };
   const auto off = [&](double length, std::size_t scan) {
     return words(length) + " (noise " + words(found.noise) + "), most of all " + scan_called(points, scan);
   };
@@ -244,13 +244,13 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
   result.face_sides = use_faces(points, faces, result.warnings);
   check_shape(points, 1, faces == FaceUse::vertices && !points.triangles.empty());
   const Vec3f size = bounds(points).size();
-  result.place = placement_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
-  move_from_input(points, result.place);
+  result.frame = frame_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
+  move_from_input(points, result.frame);
   result.points = std::move(points);
   return result;
 }
 
-PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& progress) {
+PreparedCloud prepare_cloud(PointSet points, const CloudPreparation& use, Progress& progress) {
   if (use.classes) keep_classes(points, *use.classes);
   PreparedCloud result = prepare_positions(std::move(points), use.faces, progress);
   if (use.remove_outliers) {
@@ -259,7 +259,7 @@ PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& prog
     const auto count = static_cast<std::size_t>(std::count(outliers.begin(), outliers.end(), std::uint8_t{1}));
     if (count > 0) {
       remove_samples(result.points, outliers);
-      check_shape(result.points, result.place.to_input(1.0));
+      check_shape(result.points, result.frame.to_input(1.0));
       result.warnings.push_back(counted(count, "sample") + " left out: belong to no surface");
     }
   }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sansmesh/cloud_options.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/points/face_shape.h"
 #include "sansmesh/points/sights.h"
@@ -15,8 +15,8 @@
 namespace sansmesh::inline v1 {
 
 struct PreparedCloud {
-  PointSet points;  ///< cleaned, with oriented normals; origin 0, in coordinates in which they are about 1 large
-  Placement place;  ///< of these in the input; the unit is a power of two
+  PointSet points;   ///< cleaned, with oriented normals; origin 0, in coordinates in which they are about 1 large
+  LocalFrame frame;  ///< of these in the input; the unit is a power of two
   bool estimated_normals = false;  ///< there were none, or they were not wanted
   /// Where the normals were taken from faces that bound solids: which side is out is known of these, not judged.
   FaceSides face_sides = FaceSides::unknown;
@@ -36,7 +36,7 @@ PreparedCloud prepare_positions(PointSet points, FaceUse faces, Progress& progre
 /// All of it. Given normals that agree with their neighbours keep their signs, unless they point into a closed shape,
 /// or away from where the samples were seen. Throws DataError as above, and as keep_classes;
 /// ArgumentError for `orient_by` with normals as given.
-PreparedCloud prepare_cloud(PointSet points, const CloudUse& use, Progress& progress);
+PreparedCloud prepare_cloud(PointSet points, const CloudPreparation& use, Progress& progress);
 
 /// For surfaces with edges: estimated normals are made sharp there (`denoise_normals`). Estimates blur edges; normals
 /// that came with the samples may be exact, are only worse for it, and stay.

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "sansmesh/core/median.h"
-#include "sansmesh/points/local_frame.h"
 #include "sansmesh/points/neighbourhood_sample.h"
+#include "sansmesh/points/principal_axes.h"
 
 namespace sansmesh::inline v1 {
 namespace {

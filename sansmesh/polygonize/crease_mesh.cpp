@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/mesh/simplify.h"
+#include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/polygonize/crease_thin.h"
 #include "sansmesh/polygonize/crease_zone.h"

@@ -85,7 +85,7 @@ int choose_neighbours_on_tree(const KdTree& tree, const PointSet& points, double
     const double variance = typical(variances, size), next = typical(variances, size + 1);
     const double change = typical(changes, size);
     if (variance < 0 || next < 0 || change < 0) continue;
-    // The bias grows with h², hence in proportion to the size, by 0.4 from one size to the next: the change is 0.4 of
+    // The bias grows with h², so in proportion to the size, by 0.4 from one size to the next: the change is 0.4 of
     // the bias, plus the effect of the noise, whose variance decreases by the difference of the two (the larger fit is
     // the better one); 0.7 of it in the median.
     shape = std::max(shape, std::max(0.0, change - 0.7 * (variance - next)) / 0.16);

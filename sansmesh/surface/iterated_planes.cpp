@@ -80,7 +80,7 @@ constexpr float kForget = 2e-4f;   // smaller entries of the powers' rows are dr
 constexpr double kWorthIt = 0.99;  // more iterations must reduce the error to below this share
 
 /// If noise is large against the width, the neighbours of a sample off the surface are off it in the same direction:
-/// the surface seems to follow the noise. Hence the others are evaluated at the sample's foot on a mean plane.
+/// the surface seems to follow the noise. Therefore the others are evaluated at the sample's foot on a mean plane.
 constexpr double kFootWidth = 2.5;   // width of the weights of the mean, over the spacing
 constexpr double kFootNoise = 0.05;  // over the spacing: with less noise the sample itself is used
 

@@ -21,7 +21,7 @@ struct IterationOptions {
 /// B n and e = B ⟨x, n⟩ for all x (docs/methods/implicit-surfaces.md).
 struct IteratedPlanes {
   std::vector<Vec3f> m;
-  std::vector<float> offset;  ///< e_i − ⟨x_i, m_i⟩: small, hence sufficiently exact in float
+  std::vector<float> offset;  ///< e_i − ⟨x_i, m_i⟩: small, so sufficiently exact in float
 };
 
 /// `widths`: σ_i of the Gaussians exp(−d²/σ²) (length).

@@ -12,11 +12,11 @@
 #include "sansmesh/core/check_range.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/core/scramble.h"
-#include "sansmesh/placement.h"
-#include "sansmesh/points/local_frame.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/points/noise.h"
 #include "sansmesh/points/normals.h"
 #include "sansmesh/points/outliers.h"
+#include "sansmesh/points/principal_axes.h"
 #include "sansmesh/search/kd_tree.h"
 
 namespace sansmesh::inline v1 {
@@ -443,18 +443,18 @@ PointSet consolidate(const PointSet& points, const LopOptions& options, Progress
   for (const Vec3f& p : points.positions)
     if (is_finite(p)) box.extend(p);
   const Vec3f size = box.empty() ? Vec3f{} : box.size();
-  const Placement place = placement_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
+  const LocalFrame frame = frame_for(points.origin, static_cast<double>(std::max({size.x, size.y, size.z})));
   PointSet scaled = points;
-  move_from_input(scaled, place);
+  move_from_input(scaled, frame);
   LopOptions inner = options;
   // Neighbourhoods wider than the cloud hold no additional samples.
-  if (inner.radius) inner.radius = std::min(place.from_input(*inner.radius), 2.0);
+  if (inner.radius) inner.radius = std::min(frame.from_input(*inner.radius), 2.0);
   Consolidation consolidation(scaled, inner, progress);
   consolidation.run(progress);
   PointSet result;
   result.positions = consolidation.result();
   if (options.normals && points.normals.size() == points.size()) give_normals(result, scaled, progress);
-  move_to_input(result, place);
+  move_to_input(result, frame);
   return result;
 }
 

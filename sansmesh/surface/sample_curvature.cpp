@@ -13,16 +13,16 @@ constexpr float kOnSheet = 0.3f;    // least cosine between normals of one sheet
 
 }  // namespace
 
-SampleCurvature::SampleCurvature(const PointSet& points, const Placement& place, const CurvatureOptions& options,
+SampleCurvature::SampleCurvature(const PointSet& points, const LocalFrame& frame, const CurvatureOptions& options,
                                  Progress& progress)
-    : SampleCurvature(points, estimate_curvatures(points, options, progress), place) {}
+    : SampleCurvature(points, estimate_curvatures(points, options, progress), frame) {}
 
 SampleCurvature::SampleCurvature(const PointSet& points, std::span<const PrincipalCurvatures> curvatures,
-                                 const Placement& place)
-    : place_(place) {
+                                 const LocalFrame& frame)
+    : frame_(frame) {
   if (curvatures.size() != points.size() || points.normals.size() != points.size())
     throw ArgumentError("SampleCurvature: as many curvatures and normals as points are needed");
-  place_.origin = place.to_input(points.origin);
+  frame_.origin = frame.to_input(points.origin);
   tree_ = KdTree(points.positions);
   normals_ = points.normals;
   tensors_.resize(curvatures.size());
@@ -47,7 +47,7 @@ void SampleCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> n
     std::array<Neighbour, kMixed> near;
     for (std::size_t i = first; i < last; ++i) {
       bends[i] = {};
-      const std::size_t n = tree_.nearest(Vec3f(place_.from_input(x[i])), near);
+      const std::size_t n = tree_.nearest(Vec3f(frame_.from_input(x[i])), near);
       if (n == 0) continue;
       // The outward side of the samples' normals may differ from the visible side.
       float side = 0;
@@ -67,7 +67,7 @@ void SampleCurvature::evaluate(std::span<const Vec3> x, std::span<const Vec3f> n
         total += w;
       }
       if (!(total > 0)) continue;
-      const float scale = side / (total * static_cast<float>(place_.unit));
+      const float scale = side / (total * static_cast<float>(frame_.unit));
       Vec3f a, b;
       tangent_frame(normals[i], a, b);
       const auto form = [&](const Vec3f& u, const Vec3f& v) {

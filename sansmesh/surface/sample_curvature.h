@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sansmesh/field/curvature_field.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/point_set.h"
 #include "sansmesh/progress.h"
 #include "sansmesh/search/kd_tree.h"
@@ -19,15 +19,15 @@ namespace sansmesh::inline v1 {
 /// weights of compact support: for clouds and vertices of meshes.
 class SampleCurvature final : public CurvatureField {
  public:
-  /// Estimates the curvatures of all samples (estimate_curvatures). `place` is the local frame of the query points.
+  /// Estimates the curvatures of all samples (estimate_curvatures). `frame` is the local frame of the query points.
   /// Copies the data that it needs. Throws ArgumentError for invalid options, DataError for a cloud without normals.
-  SampleCurvature(const PointSet& points, const Placement& place, const CurvatureOptions& options, Progress& progress);
+  SampleCurvature(const PointSet& points, const LocalFrame& frame, const CurvatureOptions& options, Progress& progress);
   /// Uses known curvatures, as many as points, for example of a mesh's vertices.
-  SampleCurvature(const PointSet& points, std::span<const PrincipalCurvatures> curvatures, const Placement& place);
+  SampleCurvature(const PointSet& points, std::span<const PrincipalCurvatures> curvatures, const LocalFrame& frame);
   void evaluate(std::span<const Vec3> x, std::span<const Vec3f> normals, std::span<SurfaceBend> bends) const override;
 
  private:
-  Placement place_;
+  LocalFrame frame_;
   KdTree tree_;
   std::vector<Vec3f> normals_;  ///< zero where the curvature is undefined
   std::vector<std::array<float, 6>> tensors_;

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "sansmesh/error.h"
-#include "sansmesh/volume/holds_for_all.h"
+#include "sansmesh/volume/grid/holds_for_all.h"
 
 namespace sansmesh::inline v1 {
 namespace {

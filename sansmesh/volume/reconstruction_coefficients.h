@@ -8,7 +8,7 @@
 
 #include "sansmesh/core/shared_array.h"
 #include "sansmesh/sampled_volume.h"
-#include "sansmesh/volume/local_polynomials.h"
+#include "sansmesh/volume/samples/local_polynomials.h"
 
 namespace sansmesh::inline v1 {
 

@@ -6,8 +6,8 @@
 #include "sansmesh/progress.h"
 #include "sansmesh/reconstruction_options.h"
 #include "sansmesh/sampled_volume.h"
+#include "sansmesh/volume/grid/volume_values.h"
 #include "sansmesh/volume/reconstruction_coefficients.h"
-#include "sansmesh/volume/volume_values.h"
 
 namespace sansmesh::inline v1 {
 

@@ -5,7 +5,7 @@
 #include "ball_volume.h"
 #include "run_tool.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 
 namespace sansmesh::test {
 namespace {

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "run_tool.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::test {

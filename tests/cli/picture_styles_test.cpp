@@ -5,7 +5,7 @@
 
 #include "run_tool.h"
 #include "sansmesh/io.h"
-#include "sansmesh/render/lighting.h"
+#include "sansmesh/render/scene/lighting.h"
 #include "support/mesh_shapes.h"
 #include "support/png_file.h"
 #include "support/sanitizers.h"
@@ -167,7 +167,7 @@ TEST_F(PictureStyles, AccessibilityIsTheShareOfTheSkyThatIsOpen) {
   // A ball hides nothing of itself: all of it has the light of its own colour. Lit as usual it has not.
   write_mesh(path("ball.ply"), octasphere(5));
   std::vector<std::string> open = kGray;
-  open.insert(open.end(), {"--accessibility", "--bend-light", "0"});
+  open.insert(open.end(), {"--accessibility", "--curvature-shading", "0"});
   const PngPicture even = drawn("ball.ply", open), lit = drawn("ball.ply", kGray);
   int least = 255, most = 0;
   for (std::size_t y = 0; y < kSide; ++y)
@@ -179,7 +179,7 @@ TEST_F(PictureStyles, AccessibilityIsTheShareOfTheSkyThatIsOpen) {
   EXPECT_GT(most, least + 40);
   // Bends of the same sign give light: 1 / radius over that of a ball as large as the reach.
   std::vector<std::string> bent = kGray;
-  bent.insert(bent.end(), {"--accessibility=0.3", "--bend-light", "0.5"});
+  bent.insert(bent.end(), {"--accessibility=0.3", "--curvature-shading", "0.5"});
   const double expected = 1 + 0.5 * 2 / std::numbers::pi * std::atan(0.3 * std::sqrt(12.0));
   EXPECT_NEAR(light_of(drawn("ball.ply", bent).at(60, 60), kGrayLevel), expected, 0.05);
 
@@ -193,7 +193,8 @@ TEST_F(PictureStyles, AccessibilityIsTheShareOfTheSkyThatIsOpen) {
   }
   write_mesh(path("channel.ply"), channel);
   std::vector<std::string> deep = kGray;
-  deep.insert(deep.end(), {"--accessibility=1", "--bend-light", "0", "--look-at", "0,0,0", "--look-radius", "0.45"});
+  deep.insert(deep.end(),
+              {"--accessibility=1", "--curvature-shading", "0", "--look-at", "0,0,0", "--look-radius", "0.45"});
   EXPECT_NEAR(light_of(drawn("channel.ply", deep, "top").at(60, 60), kGrayLevel), std::sqrt(0.5), 0.03);
 }
 
@@ -203,9 +204,10 @@ TEST_F(PictureStyles, FramesHaveBendsAndRidges) {
   const std::vector<std::string> frames = {"--frames", "1"};
   const double expected = 1 + 0.5 * 2 / std::numbers::pi * std::atan(0.3 * std::sqrt(12.0));
   const std::vector<std::string> bent = and_more(and_more(kGray, frames), {"--accessibility=0.3"});
-  EXPECT_NEAR(light_of(drawn("ball.ply", and_more(bent, {"--bend-light", "0.5"})).at(60, 60), kGrayLevel), expected,
-              0.05);
-  EXPECT_NEAR(light_of(drawn("ball.ply", and_more(bent, {"--bend-light", "0"})).at(60, 60), kGrayLevel), 1, 0.02);
+  EXPECT_NEAR(light_of(drawn("ball.ply", and_more(bent, {"--curvature-shading", "0.5"})).at(60, 60), kGrayLevel),
+              expected, 0.05);
+  EXPECT_NEAR(light_of(drawn("ball.ply", and_more(bent, {"--curvature-shading", "0"})).at(60, 60), kGrayLevel), 1,
+              0.02);
   // A ring that is higher than wide: seen along its axis its top is a ridge, between the silhouettes.
   TriangleMesh ring = torus_mesh(120, 60);
   for (Vec3f& p : ring.vertices) p.z *= 2;
@@ -270,9 +272,10 @@ TEST_F(PictureStyles, NothingIsIgnored) {
   };
   expect_failures({
       // curvature
-      failing({"ball.ply", "cloud.ply", "--accessibility", "--bend-light", "0.4"}, {"--bend-light", "several"}),
+      failing({"ball.ply", "cloud.ply", "--accessibility", "--curvature-shading", "0.4"},
+              {"--curvature-shading", "several"}),
       failing({"ball.ply", "cloud.ply", "--lines", "--line-strength", "30"}, {"--line-strength", "several"}),
-      failing({"ball.ply", "--bend-light", "0.4"}, {"--bend-light", "--accessibility"}),
+      failing({"ball.ply", "--curvature-shading", "0.4"}, {"--curvature-shading", "--accessibility"}),
       failing({"ball.ply", "--line-strength", "30"}, {"--line-strength", "--lines"}),
       // translucent
       failing({"ball.ply", "--opacity", "0.5", "--lines"}, {"--lines", "--opacity"}),
@@ -316,8 +319,8 @@ TEST_F(PictureStyles, WrongValuesNameTheOption) {
   expect_failures({
       failing({"--accessibility=0"}, {"--accessibility", "0"}),
       failing({"--accessibility=far"}, {"--accessibility", "far"}),
-      failing({"--accessibility", "--bend-light", "1.5"}, {"--bend-light", "0..1", "1.5"}),
-      failing({"--bend-light", "0.1"}, {"--bend-light", "--accessibility"}),
+      failing({"--accessibility", "--curvature-shading", "1.5"}, {"--curvature-shading", "0..1", "1.5"}),
+      failing({"--curvature-shading", "0.1"}, {"--curvature-shading", "--accessibility"}),
       failing({"--accessibility", "--lines"}, {"--accessibility", "--lines=over"}),
       failing({"--accessibility", "--quick", "--surface", "apss"}, {"--accessibility", "--quick"}),
       failing({"--lines=under"}, {"--lines", "under"}),

@@ -6,8 +6,8 @@
 #include "run_tool.h"
 #include "sansmesh/io.h"
 #include "sansmesh/io/transform_file.h"
+#include "sansmesh/local_frame.h"
 #include "sansmesh/mesh_measures.h"
-#include "sansmesh/placement.h"
 #include "support/mesh_shapes.h"
 #include "support/sanitizers.h"
 

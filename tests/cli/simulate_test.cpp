@@ -9,7 +9,7 @@
 #include "run_tool.h"
 #include "sansmesh/dynamics/tet_geometry.h"
 #include "sansmesh/io.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 #include "support/png_file.h"
 
 namespace sansmesh::test {

@@ -5,7 +5,7 @@
 
 #include "run_tool.h"
 #include "sansmesh/grid_data.h"
-#include "sansmesh/io/write_volume.h"
+#include "sansmesh/io/grids/write_volume.h"
 
 namespace sansmesh::test {
 namespace {

@@ -162,16 +162,16 @@ TEST(ValueRanges, HoldAllValuesOfTheCellsAround) {
     const auto volume = dataset.volume("f", progress);
     const auto& values = *volume->attributes.find<double>("f");
     const Box3 box = volume->bounds();
-    const Placement place = placement_for(box.center(), box.diagonal());
+    const LocalFrame frame = frame_for(box.center(), box.diagonal());
     const ValueRanges ranges(
-        *volume, [&](std::size_t i) { return values[i]; }, place);
+        *volume, [&](std::size_t i) { return values[i]; }, frame);
     std::mt19937 random(3);
     std::uniform_real_distribution<double> unit(0, 1);
     for (int trial = 0; trial < 200; ++trial) {
       const Vec3 x =
           box.lower + Vec3{unit(random) * box.size().x, unit(random) * box.size().y, unit(random) * box.size().z};
       const double radius = 0.3 * unit(random) * unit(random);
-      const ValueRange found = ranges.around(place.from_input(x), place.from_input(radius));
+      const ValueRange found = ranges.around(frame.from_input(x), frame.from_input(radius));
       for (std::size_t i = 0; i < volume->size(); ++i) {
         if (norm(volume->position(i) - x) > radius) continue;
         EXPECT_LE(found.least, values[i]);

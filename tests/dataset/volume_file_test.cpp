@@ -12,7 +12,7 @@
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/error.h"
 #include "sansmesh/io/section_file.h"
-#include "sansmesh/volume/degree_field.h"
+#include "sansmesh/volume/methods/degree_field.h"
 #include "support/any_threads.h"
 #include "support/section_bytes.h"
 #include "volume/volume_checks.h"

@@ -274,7 +274,7 @@ TEST(VolumeSurface, FeetStandForTheProjection) {
   std::vector<Vec3> x(feet.positions.begin(), feet.positions.end()), gradients(x.size());
   std::vector<double> values(x.size());
   exact.field().evaluate(x, values, gradients);
-  const double unit = exact.place().from_input(step);
+  const double unit = exact.frame().from_input(step);
   for (std::size_t i = 0; i < x.size(); ++i) {
     EXPECT_LT(std::abs(values[i]), 0.03 * unit);
     EXPECT_GT(dot(gradients[i], Vec3(feet.normals[i])), std::cos(0.02));

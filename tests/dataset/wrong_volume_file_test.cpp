@@ -13,7 +13,7 @@
 #include "sansmesh/dataset/volume_dataset.h"
 #include "sansmesh/dataset/volume_file.h"
 #include "sansmesh/error.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 #include "sansmesh/io/section_file.h"
 #include "support/section_bytes.h"
 #include "volume/volume_grids.h"

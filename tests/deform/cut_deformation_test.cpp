@@ -15,7 +15,7 @@
 #include "sansmesh/deform/mls_deformation.h"
 #include "sansmesh/deform/open_mesh.h"
 #include "sansmesh/field/deformed_field.h"
-#include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/mesh/edit/deformed_mesh.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "support/any_threads.h"

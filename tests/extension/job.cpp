@@ -4,12 +4,12 @@
 #include <string_view>
 #include <utility>
 
-#include "cloud_input.h"
-#include "command.h"
+#include "cli/input/cloud_input.h"
+#include "cli/line/command.h"
+#include "cli/line/schema_options.h"
+#include "cli/report/told_files.h"
 #include "sansmesh/io.h"
 #include "sansmesh/progress.h"
-#include "schema_options.h"
-#include "told_files.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -8,7 +8,7 @@
 #include "sansmesh/function/diagnose_function.h"
 #include "sansmesh/function/mesh_function.h"
 #include "sansmesh/function_edits.h"
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
@@ -203,7 +203,7 @@ TEST(Diagnose, NoScriptTakesSurfaceAwayFromSamples) {
     DiagnoseOptions options;
     options.gradient_above = 1.1;
     options.coverage_below = 0.8;
-    options.error_above = 0.5 * function.place.to_input(function.field.report().spacing);
+    options.error_above = 0.5 * function.frame.to_input(function.field.report().spacing);
     const Diagnosis d = diagnose(function, options);
     EXPECT_LE(lost_after(function, d), lost(function));
   }

@@ -35,14 +35,14 @@ bool same_function(const FittedFunction& a, const FittedFunction& b) {
   return same;
 }
 FittedFunction copy_of(const FittedFunction& f) {
-  return {PartitionOfUnity(f.field.data()), f.place, f.samples, f.history, f.warnings};
+  return {PartitionOfUnity(f.field.data()), f.frame, f.samples, f.history, f.warnings};
 }
 
 double value_at(const FittedFunction& f, const Vec3& x) {
-  const Vec3 p = f.place.from_input(x);
+  const Vec3 p = f.frame.from_input(x);
   double v = 0;
   f.field.evaluate(std::span<const Vec3>(&p, 1), std::span<double>(&v, 1));
-  return f.place.to_input(v);
+  return f.frame.to_input(v);
 }
 
 /// Points within about a spacing of the samples, all around them (input coordinates), in blocks with a support, where
@@ -60,7 +60,7 @@ std::vector<Vec3> near_surface(const FittedFunction& f, std::size_t n) {
       const Vec3f d = p - data.functions[i].center;
       const float half = 0.49f * data.edge / static_cast<float>(1 << data.supports[i].level);
       if (std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)}) > half) continue;
-      places.push_back(f.place.to_input(data.origin + Vec3(p)));
+      places.push_back(f.frame.to_input(data.origin + Vec3(p)));
       break;
     }
   }
@@ -76,7 +76,7 @@ const std::vector<decltype(Edit::action)>& actions() {
 
 TEST(FunctionEditor, TakesCoordinatesOfTheInput) {
   FunctionEditor editor(fitted(surveyed(sphere(6000))));
-  ASSERT_NE(editor.function().place.unit, 1);
+  ASSERT_NE(editor.function().frame.unit, 1);
   Progress progress;
   const Vec3 pole = kFar + Vec3{0, 0, kScale};
   EXPECT_NEAR(value_at(editor.function(), pole), 0, 0.1);
@@ -106,7 +106,7 @@ TEST(FunctionEditor, SelectionsInTheUnitOfTheInput) {
   pairs[1].first.box = Box3{{0.1, -2, -2}, {0.4, 2, 0.3}},
   pairs[1].second.box = Box3{at({0.1, -2, -2}), at({0.4, 2, 0.3})};
   pairs[2].first.half_space = {{0, 0.123, 0}, {0, 5, 1}}, pairs[2].second.half_space = {at({0, 0.123, 0}), {0, 5, 1}};
-  const double error = 0.9 * here.field.data().supports[7].error * here.place.unit;
+  const double error = 0.9 * here.field.data().supports[7].error * here.frame.unit;
   pairs[3].first.error_above = error, pairs[3].second.error_above = error * kScale;
   pairs[4].first.coverage_below = pairs[4].second.coverage_below = 1;
   pairs[5].first.samples_below = pairs[5].second.samples_below = 60;
@@ -137,7 +137,7 @@ TEST(FunctionEditor, Sheets) {
     editor.apply({select, RemoveSupports{}}, progress);
     bool big = false, small = false, strays = false;
     for (const Support& s : editor.function().field.data().supports) {
-      const Vec3 p = function.place.to_input(function.field.data().origin + Vec3(s.foot));
+      const Vec3 p = function.frame.to_input(function.field.data().origin + Vec3(s.foot));
       big |= norm(p) < 1.4, small |= norm(p - Vec3{2, 0, 0}) < 0.6, strays |= norm(p - Vec3{0, 3, 0}) < 0.7;
     }
     return std::string(big ? "big " : "") + (small ? "small " : "") + (strays ? "strays " : "");
@@ -175,7 +175,7 @@ TEST(FunctionEditor, NothingChangesOutsideOfWhatItSays) {
     const double size = before.field.bounds().diagonal();
     const std::vector<Vec3> places = near_surface(before, 6000);
     std::vector<Vec3> inner;
-    for (const Vec3& p : places) inner.push_back(before.place.from_input(p));
+    for (const Vec3& p : places) inner.push_back(before.frame.from_input(p));
     std::vector<double> old(places.size()), now(places.size());
     before.field.evaluate(inner, old);
     Progress progress;

@@ -198,7 +198,7 @@ TEST(FunctionSolid, CellsFollowTheFunction) {
   const TriangleMesh mesh = mesh_csg(solid, {}, progress, &own);
   mesh_csg(
       csg::subtract(csg::place(csg::leaf(std::shared_ptr<const ScalarField>(owl().function, &owl().function->field)),
-                               owl().function->place),
+                               owl().function->frame),
                     csg::half_space({0, 0, 1}, 40)),
       {}, progress, &usual);
   EXPECT_TRUE(own.closed);

@@ -6,7 +6,7 @@
 #include "io/io_test_tools.h"
 #include "sansmesh/function/fitted_function.h"
 #include "sansmesh/function/function_file.h"
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/mesh_options.h"
 #include "sansmesh/reconstruct.h"
@@ -40,7 +40,7 @@ std::vector<Vec3> places(const FittedFunction& function, std::size_t n = 4000) {
 }
 
 void expect_same_function(const FittedFunction& a, const FittedFunction& b) {
-  EXPECT_EQ(a.place, b.place);
+  EXPECT_EQ(a.frame, b.frame);
   EXPECT_EQ(a.field.bounds().lower, b.field.bounds().lower);
   EXPECT_EQ(a.field.bounds().upper, b.field.bounds().upper);
   const std::vector<Vec3> x = places(a);
@@ -251,7 +251,7 @@ TEST(FunctionFile, WritesNothingThatCannotBeRead) {
   std::vector<LocalFunction> functions = data.functions.copy();
   functions[3].coefficient[0] = std::nanf("");
   data.functions = std::move(functions);
-  const FittedFunction bad{PartitionOfUnity(std::move(data)), good.place, good.samples, {}, {}};
+  const FittedFunction bad{PartitionOfUnity(std::move(data)), good.frame, good.samples, {}, {}};
   expect_file_error(folder / "f.smf", "a support is invalid", [&] { write_fitted_function(folder / "f.smf", bad); });
   expect_file_error(folder / "absent/f.smf", "", [&] { write_fitted_function(folder / "absent/f.smf", good); });
   EXPECT_EQ(folder.entries(), 0u);

@@ -10,7 +10,7 @@
 #include "function/mesh_sets.h"
 #include "sansmesh/error.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/mesh/clip_mesh.h"
+#include "sansmesh/mesh/edit/clip_mesh.h"
 #include "sansmesh/mesh_options.h"
 #include "support/mesh_shapes.h"
 

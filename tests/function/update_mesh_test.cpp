@@ -65,7 +65,7 @@ TEST(UpdateMesh, IsTheMeshOfTheEditedFunction) {
       const double edge = mean_edge(before);
       std::size_t local = 0;
       for (const Action& action : local_actions()) {
-        FunctionEditor editor({PartitionOfUnity(function.field.data()), function.place, function.samples, {}, {}});
+        FunctionEditor editor({PartitionOfUnity(function.field.data()), function.frame, function.samples, {}, {}});
         Progress progress;
         const EditReport report = editor.apply(edit_in_ball(shape.at, shape.radius, action), progress);
         SCOPED_TRACE(std::string(shape.name) + ": " + report.what + (options.mesh_error ? ", coarse" : "") +
@@ -226,13 +226,13 @@ TEST(UpdateMesh, ManyEditsOneMesh) {
   SANSMESH_NOT_SANITIZED("compares results; others edit meshes, too");
   // After any edit the mesh stays closed and manifold, updated from the previous step or remade.
   const FittedFunction function = fitted(bumpy(8000));
-  FunctionEditor editor({PartitionOfUnity(function.field.data()), function.place, function.samples, {}, {}});
+  FunctionEditor editor({PartitionOfUnity(function.field.data()), function.frame, function.samples, {}, {}});
   TriangleMesh mesh = meshed(function);
   std::mt19937 random(4);
   std::size_t local = 0, rounds = 30;
   for (std::size_t round = 0; round < rounds; ++round) {
     const auto& samples = function.samples->positions;
-    const Vec3 at = function.place.to_input(function.field.data().origin + Vec3(samples[random() % samples.size()]));
+    const Vec3 at = function.frame.to_input(function.field.data().origin + Vec3(samples[random() % samples.size()]));
     const std::vector<Action> all = local_actions();
     const double radius = 0.03 + 0.02 * static_cast<double>(random() % 4);
     Action action = all[random() % all.size()];
@@ -295,7 +295,7 @@ TEST(UpdateMesh, MeshesFromFiles) {
     SCOPED_TRACE(name);
     const std::string file = folder / name;
     write_mesh(file, mesh);
-    FunctionEditor editor({PartitionOfUnity(function.field.data()), function.place, function.samples, {}, {}});
+    FunctionEditor editor({PartitionOfUnity(function.field.data()), function.frame, function.samples, {}, {}});
     Progress progress;
     editor.apply(edit_in_ball(cloud.origin + Vec3{0, 0, 1}, 0.08, SetConstant{1}), progress);
     MeshUpdate update;
@@ -314,7 +314,7 @@ TEST(UpdateMesh, WholeComponentsComeAndGo) {
   const TriangleMesh both = meshed(function);
   ASSERT_EQ(measure_topology(both).components, 2u);
   for (const bool large : {false, true}) {
-    FunctionEditor editor({PartitionOfUnity(function.field.data()), function.place, function.samples, {}, {}});
+    FunctionEditor editor({PartitionOfUnity(function.field.data()), function.frame, function.samples, {}, {}});
     Progress progress;
     Edit edit;
     edit.select.sheet_at = large ? Vec3{-1, 0, 0} : Vec3{2.5, 0, 0};

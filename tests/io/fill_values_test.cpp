@@ -1,5 +1,5 @@
 // Fill values: found where they stand apart, kept where a quantity passes through them.
-#include "sansmesh/io/fill_values.h"
+#include "sansmesh/io/grids/fill_values.h"
 
 #include <gtest/gtest.h>
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "sansmesh/io.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 
 namespace sansmesh::test {
 namespace {

@@ -1,5 +1,5 @@
 // Organised clouds: rows and columns tell the side from which a frame was seen.
-#include "sansmesh/io/frame_view.h"
+#include "sansmesh/io/points/frame_view.h"
 
 #include <cmath>
 #include <limits>

@@ -3,8 +3,8 @@
 
 #include "io_test_tools.h"
 #include "sansmesh/io/animation.h"
-#include "sansmesh/io/read_volume.h"
-#include "sansmesh/io/write_tets.h"
+#include "sansmesh/io/grids/read_volume.h"
+#include "sansmesh/io/tets/write_tets.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -1,4 +1,4 @@
-#include "sansmesh/io/point_table.h"
+#include "sansmesh/io/points/point_table.h"
 
 #include <gtest/gtest.h>
 

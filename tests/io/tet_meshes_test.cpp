@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "sansmesh/io/vertex_list.h"
+#include "sansmesh/io/tets/vertex_list.h"
 #include "volume_test_tools.h"
 
 namespace sansmesh::inline v1 {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "io_test_tools.h"
-#include "sansmesh/io/read_volume.h"
+#include "sansmesh/io/grids/read_volume.h"
 
 namespace sansmesh::test {
 

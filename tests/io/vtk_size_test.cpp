@@ -1,5 +1,5 @@
 // What VTK's files may announce: more than they hold is refused, what they hold never.
-#include "sansmesh/io/vtk_size.h"
+#include "sansmesh/io/grids/vtk_size.h"
 
 #include "vtk_test_files.h"
 

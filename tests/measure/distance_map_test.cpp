@@ -9,7 +9,7 @@
 #include "sansmesh/error.h"
 #include "sansmesh/measure/field_signed_distance.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
-#include "sansmesh/mesh/refine_edges.h"
+#include "sansmesh/mesh/edit/refine_edges.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"
 

@@ -254,7 +254,7 @@ TEST(FieldDistance, FarPointsAreNotFollowed) {
 /// A fitted function in the coordinates of its input.
 struct Fitted {
   explicit Fitted(PointSet points, const FitOptions& options = {})
-      : function(fit_surface_function(std::move(points), options, progress)), field(function.field, function.place) {}
+      : function(fit_surface_function(std::move(points), options, progress)), field(function.field, function.frame) {}
   Progress progress;
   FittedFunction function;
   PlacedField field;

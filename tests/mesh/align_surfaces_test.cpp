@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/align_surfaces.h"
+#include "sansmesh/mesh/align/align_surfaces.h"
 
 #include <gtest/gtest.h>
 
@@ -10,9 +10,9 @@
 #include <utility>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/components.h"
-#include "sansmesh/mesh/refine_edges.h"
-#include "sansmesh/placement.h"
+#include "sansmesh/local_frame.h"
+#include "sansmesh/mesh/edit/refine_edges.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/points/point_features.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"

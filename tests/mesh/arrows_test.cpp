@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/arrows.h"
+#include "sansmesh/mesh/edit/arrows.h"
 
 #include <gtest/gtest.h>
 

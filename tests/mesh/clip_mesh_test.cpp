@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/clip_mesh.h"
+#include "sansmesh/mesh/edit/clip_mesh.h"
 
 #include <gtest/gtest.h>
 

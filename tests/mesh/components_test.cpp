@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/deformed_mesh.h"
+#include "sansmesh/mesh/edit/deformed_mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/fill_holes.h"
+#include "sansmesh/mesh/repair/fill_holes.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/place_edges.h"
+#include "sansmesh/mesh/repair/place_edges.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"

@@ -5,10 +5,10 @@
 #include <numeric>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/mesh/clip_mesh.h"
-#include "sansmesh/mesh/components.h"
-#include "sansmesh/mesh/refine_edges.h"
-#include "sansmesh/mesh/simplify.h"
+#include "sansmesh/mesh/edit/clip_mesh.h"
+#include "sansmesh/mesh/edit/refine_edges.h"
+#include "sansmesh/mesh/edit/simplify.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/progress.h"
 #include "support/mesh_checks.h"
 

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 

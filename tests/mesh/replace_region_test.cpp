@@ -1,5 +1,5 @@
 // A region of a mesh replaced by that of another, where they differ.
-#include "sansmesh/mesh/replace_region.h"
+#include "sansmesh/mesh/edit/replace_region.h"
 
 #include <algorithm>
 #include <cmath>

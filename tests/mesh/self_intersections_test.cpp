@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/self_intersections.h"
+#include "sansmesh/mesh/repair/self_intersections.h"
 
 #include <gtest/gtest.h>
 

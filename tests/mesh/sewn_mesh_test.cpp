@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/sewn_mesh.h"
+#include "sansmesh/mesh/repair/sewn_mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/simplify.h"
+#include "sansmesh/mesh/edit/simplify.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/smooth_mesh.h"
+#include "sansmesh/mesh/edit/smooth_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/refine_edges.h"
+#include "sansmesh/mesh/edit/refine_edges.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 

@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/tubes.h"
+#include "sansmesh/mesh/edit/tubes.h"
 
 #include <gtest/gtest.h>
 

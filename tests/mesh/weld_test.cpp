@@ -1,4 +1,4 @@
-#include "sansmesh/mesh/weld.h"
+#include "sansmesh/mesh/repair/weld.h"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include "csg/catalogue.h"
 #include "sansmesh/csg/parse_csg.h"
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/self_intersections.h"
+#include "sansmesh/mesh/repair/self_intersections.h"
 #include "sansmesh/mesh_measures.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"

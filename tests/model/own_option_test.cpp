@@ -100,7 +100,7 @@ TEST(OwnOption, LengthsFollowTheCloud) {
   for (Vec3f& p : cloud.positions) p = p * 8.0f;
   Progress progress;
   const SurfaceModel model = make_surface_model(cloud, {.method = "plane", .own = {{"plane_height", 4.0}}}, progress);
-  EXPECT_NEAR(height_seen, model.place().from_input(4.0), 1e-12);
+  EXPECT_NEAR(height_seen, model.frame().from_input(4.0), 1e-12);
   EXPECT_LT(height_seen, 2);
 }
 

@@ -192,7 +192,7 @@ TEST(SurfaceDomain, KnowsEndsFromEdges) {
   Progress progress;
   const auto ends = [&](const PointSet& cloud, std::optional<bool> solid = {}) {
     const SurfaceModel model = make_surface_model(cloud, SurfaceOptions{}, progress);
-    return SurfaceDomain(model.field(progress), model.feet(progress), model.place().from_input(model.report().spacing),
+    return SurfaceDomain(model.field(progress), model.feet(progress), model.frame().from_input(model.report().spacing),
                          {}, {}, solid)
         .ends();
   };

@@ -145,7 +145,7 @@ TEST(SurfaceMethods, ModelsHaveTheNormalsThatWereAskedFor) {
   const auto normals_of = [&](const SurfaceOptions& options) {
     const SurfaceModel model = make_surface_model(cloud, options, progress);
     std::vector<Vec3> at, normals(x.size());
-    for (const Vec3& p : x) at.push_back(model.place().from_input(p));
+    for (const Vec3& p : x) at.push_back(model.frame().from_input(p));
     std::vector<double> values(x.size());
     model.field(progress).evaluate(at, values, normals);
     for (Vec3& n : normals) n = normalized(n);

@@ -190,7 +190,7 @@ TEST_P(EverySurface, IsAFieldInCoordinatesOfItsOwn) {
   std::vector<Vec3> x;
   for (std::size_t i = 0; i < 400; ++i) {
     const Vec3 d = normalized(Vec3(cloud.positions[7 * i]));
-    for (const double r : {0.99, 1.01}) x.push_back(model.place().from_input(cloud.origin + d * (200 * r)));
+    for (const double r : {0.99, 1.01}) x.push_back(model.frame().from_input(cloud.origin + d * (200 * r)));
   }
   std::vector<double> values(x.size());
   std::vector<Vec3> gradients(x.size());
@@ -199,7 +199,7 @@ TEST_P(EverySurface, IsAFieldInCoordinatesOfItsOwn) {
   for (std::size_t i = 0; i < x.size(); ++i) {
     ASSERT_TRUE(inside[i]);
     ASSERT_EQ(values[i] > 0, i % 2 == 1) << "positive outside";
-    ASSERT_GT(dot(gradients[i], x[i] - model.place().from_input(cloud.origin)), 0);
+    ASSERT_GT(dot(gradients[i], x[i] - model.frame().from_input(cloud.origin)), 0);
     bool held = false;
     for (std::size_t b = 0; b < balls.centers.size() && !held; ++b)
       held = norm(Vec3(balls.centers[b]) - x[i]) <= static_cast<double>(balls.radii[b]);
@@ -260,7 +260,7 @@ TEST(SurfaceModel, BallsOfMpuHoldItsSurfaceOverHoles) {
     const BallUnion& balls = model.balls();
     for (double x = -0.7; x <= 0.7; x += 0.05)
       for (double y = -0.7; y <= 0.7; y += 0.05) {
-        const Vec3 at = model.place().from_input(Vec3{x, y, 1});
+        const Vec3 at = model.frame().from_input(Vec3{x, y, 1});
         bool held = false;
         for (std::size_t i = 0; i < balls.centers.size() && !held; ++i)
           held = norm(Vec3(balls.centers[i]) - at) < static_cast<double>(balls.radii[i]);
@@ -301,11 +301,11 @@ TEST(SurfaceModel, HasTheColoursOfTheSamples) {
     ASSERT_NE(model.colors(), nullptr) << method;
     std::vector<Vec3> x;
     for (const Vec3f& p : cloud.positions)
-      if (std::abs(p.z) > 0.2f) x.push_back(model.place().from_input(Vec3(p)));
+      if (std::abs(p.z) > 0.2f) x.push_back(model.frame().from_input(Vec3(p)));
     std::vector<Vec3f> colors(x.size());
     model.colors()->evaluate(x, colors);
     for (std::size_t i = 0; i < x.size(); ++i) {
-      const Vec3 p = model.place().to_input(x[i]);
+      const Vec3 p = model.frame().to_input(x[i]);
       ASSERT_NEAR(colors[i].x, (127.5 + 127 * p.x) / 255, 0.03);
       ASSERT_NEAR(colors[i].z, (p.z > 0 ? 200 : 50) / 255.0, 0.01);
     }
@@ -379,7 +379,7 @@ TEST(SurfaceModel, MakesTheFieldOfAProjectionWhereItCanBeSeenAndStopped) {
   const SurfaceModel other = model_of(cloud, named("alexa"));
   Progress progress;
   std::vector<Vec3> x;
-  for (const Vec3f& p : cloud.positions) x.push_back(model.place().from_input(Vec3(p) * 1.3));
+  for (const Vec3f& p : cloud.positions) x.push_back(model.frame().from_input(Vec3(p) * 1.3));
   std::vector<double> a(x.size()), b(x.size());
   field.evaluate(x, a);
   other.field(progress).evaluate(x, b);

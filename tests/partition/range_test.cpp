@@ -176,7 +176,7 @@ TEST(PartitionRanges, HoldAllValuesOfNonsense) {
   EXPECT_GT(bounded, 200u);  // out of 3000
 }
 
-/// Floats, hence values, are coarse far from the origin.
+/// Floats, so values, are coarse far from the origin.
 TEST(PartitionRanges, HoldAllValuesFarAway) {
   test::ThinShape sphere;
   sphere.box = test::cube_of(1.2);

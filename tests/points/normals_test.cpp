@@ -4,7 +4,7 @@
 
 #include "points/shapes.h"
 #include "sansmesh/error.h"
-#include "sansmesh/points/local_frame.h"
+#include "sansmesh/points/principal_axes.h"
 #include "support/any_threads.h"
 
 namespace sansmesh::inline v1 {

@@ -122,12 +122,12 @@ TEST(PointClasses, ArePartOfTheUseOfClouds) {
   }
   mixed.attributes.set("classification", classes);
   Progress progress;
-  CloudUse ground;
+  CloudPreparation ground;
   ground.classes = parse_point_classes("ground");
   const PreparedCloud wanted = prepare_cloud(cloud, {}, progress), chosen = prepare_cloud(mixed, ground, progress);
   EXPECT_EQ(chosen.points.positions, wanted.points.positions);
   EXPECT_EQ(chosen.points.normals, wanted.points.normals);
-  EXPECT_EQ(chosen.place, wanted.place);
+  EXPECT_EQ(chosen.frame, wanted.frame);
   ground.classes = parse_point_classes("water");
   EXPECT_THROW(prepare_cloud(mixed, ground, progress), DataError);
 }

@@ -212,7 +212,7 @@ TEST(Orientation, TerrainWithStraysLooksUp) {
     for (Vec3f& n : downward.normals) n = -n;
     EXPECT_EQ(prepare_cloud(downward, {}, progress).points.normals, downward.normals);
     // Others look up.
-    CloudUse anew;
+    CloudPreparation anew;
     anew.normals = NormalUse::estimate;
     const PreparedCloud estimated = prepare_cloud(cloud, anew, progress);
     EXPECT_EQ(estimated.oriented_by, OrientBy::up);
@@ -344,7 +344,7 @@ TEST(Orientation, SamplesOfUnknownScansFollowTheOthers) {
 TEST(Orientation, WhatIsAskedForDecides) {
   PointSet points = sample_sphere(4000, 1, 0, 25);
   Progress progress;
-  CloudUse use;
+  CloudPreparation use;
   use.orient_by = OrientBy::up;
   const PreparedCloud up = prepare_cloud(points, use, progress);
   EXPECT_EQ(up.oriented_by, OrientBy::up);

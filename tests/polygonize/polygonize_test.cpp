@@ -7,7 +7,7 @@
 #include <random>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/components.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "support/any_threads.h"
 #include "support/mesh_checks.h"
 #include "support/sanitizers.h"

@@ -8,8 +8,8 @@
 #include <random>
 
 #include "sansmesh/error.h"
-#include "sansmesh/mesh/components.h"
 #include "sansmesh/mesh/mesh_quality.h"
+#include "sansmesh/mesh/repair/components.h"
 #include "sansmesh/polygonize/polygonize.h"
 #include "sansmesh/search/kd_tree.h"
 #include "support/any_threads.h"

@@ -17,7 +17,7 @@ namespace {
 double share_lost(const FittedFunction& function, const PartitionReport& fitted) {
   Progress progress;
   TriangleMesh mesh = mesh_function(function, {}, progress);
-  move_from_input(mesh, function.place);
+  move_from_input(mesh, function.frame);
   return find_lost(mesh, *function.samples, fitted.spacing, fitted.noise).share;
 }
 

@@ -10,9 +10,9 @@
 #include "render/analytic_surfaces.h"
 #include "sansmesh/error.h"
 #include "sansmesh/field/curvature_field.h"
-#include "sansmesh/render/blended_splats.h"
-#include "sansmesh/render/lighting.h"
-#include "sansmesh/render/surface_picture.h"
+#include "sansmesh/render/scene/lighting.h"
+#include "sansmesh/render/splat/blended_splats.h"
+#include "sansmesh/render/surface/surface_picture.h"
 #include "sansmesh/render_options.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
@@ -30,7 +30,7 @@ RenderOptions open_light(double reach, double bend = 0) {
   options.look.ground = false;
   options.look.background = Background::transparent();
   options.look.accessibility = reach;
-  options.look.bend_light = bend;
+  options.look.curvature_shading = bend;
   return options;
 }
 

@@ -9,7 +9,7 @@
 
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
-#include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render/surface/surface_caster.h"
 #include "sansmesh/scalar_field.h"
 
 namespace sansmesh::test {

@@ -1,4 +1,4 @@
-#include "sansmesh/render/baked_volume.h"
+#include "sansmesh/render/volume/baked_volume.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "render/analytic_volumes.h"
 #include "sansmesh/error.h"
-#include "sansmesh/render/volume_picture.h"
+#include "sansmesh/render/volume/volume_picture.h"
 #include "support/any_threads.h"
 
 namespace sansmesh::inline v1 {

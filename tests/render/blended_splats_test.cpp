@@ -1,4 +1,4 @@
-#include "sansmesh/render/blended_splats.h"
+#include "sansmesh/render/splat/blended_splats.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <random>
 
 #include "sansmesh/error.h"
-#include "sansmesh/render/splat_footprint.h"
+#include "sansmesh/render/splat/splat_footprint.h"
 #include "support/any_threads.h"
 
 namespace sansmesh::inline v1 {

@@ -1,4 +1,4 @@
-#include "sansmesh/render/camera.h"
+#include "sansmesh/render/scene/camera.h"
 
 #include <gtest/gtest.h>
 

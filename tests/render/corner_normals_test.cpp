@@ -1,4 +1,4 @@
-#include "sansmesh/render/corner_normals.h"
+#include "sansmesh/render/scene/corner_normals.h"
 
 #include <gtest/gtest.h>
 

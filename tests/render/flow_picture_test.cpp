@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "sansmesh/error.h"
-#include "sansmesh/render/flow_texture.h"
-#include "sansmesh/render/picture_surfaces.h"
-#include "sansmesh/render/splat_scene.h"
+#include "sansmesh/render/scene/flow_texture.h"
+#include "sansmesh/render/splat/splat_scene.h"
+#include "sansmesh/render/surface/picture_surfaces.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 

@@ -1,4 +1,4 @@
-#include "sansmesh/render/line_drawing.h"
+#include "sansmesh/render/annotate/line_drawing.h"
 
 #include <gtest/gtest.h>
 
@@ -8,10 +8,10 @@
 
 #include "render/analytic_surfaces.h"
 #include "sansmesh/field/curvature_field.h"
-#include "sansmesh/render/mesh_scene.h"
-#include "sansmesh/render/painter.h"
-#include "sansmesh/render/surface_picture.h"
-#include "sansmesh/render/surface_scene.h"
+#include "sansmesh/render/scene/mesh_scene.h"
+#include "sansmesh/render/scene/painter.h"
+#include "sansmesh/render/surface/surface_picture.h"
+#include "sansmesh/render/surface/surface_scene.h"
 #include "sansmesh/render_options.h"
 #include "support/any_threads.h"
 

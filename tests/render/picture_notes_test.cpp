@@ -1,4 +1,4 @@
-#include "sansmesh/render/picture_notes.h"
+#include "sansmesh/render/annotate/picture_notes.h"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 
 #include "render/analytic_volumes.h"
 #include "render/picture_levels.h"
-#include "sansmesh/render/stroke_text.h"
-#include "sansmesh/render/volume_picture.h"
+#include "sansmesh/render/annotate/stroke_text.h"
+#include "sansmesh/render/volume/volume_picture.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -1,4 +1,4 @@
-#include "sansmesh/render/ray_scene.h"
+#include "sansmesh/render/scene/ray_scene.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/render/surface_caster.h"
+#include "sansmesh/render/surface/surface_caster.h"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 #include "analytic_surfaces.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
-#include "sansmesh/render/stored_rays.h"
+#include "sansmesh/render/surface/stored_rays.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -1,4 +1,4 @@
-#include "sansmesh/render/surface_picture.h"
+#include "sansmesh/render/surface/surface_picture.h"
 
 #include <gtest/gtest.h>
 
@@ -12,9 +12,9 @@
 #include "render/picture_levels.h"
 #include "sansmesh/error.h"
 #include "sansmesh/polygonize/polygonize.h"
-#include "sansmesh/render/lighting.h"
-#include "sansmesh/render/painter.h"
-#include "sansmesh/render/ray_scene.h"
+#include "sansmesh/render/scene/lighting.h"
+#include "sansmesh/render/scene/painter.h"
+#include "sansmesh/render/scene/ray_scene.h"
 #include "support/any_threads.h"
 
 namespace sansmesh::inline v1 {

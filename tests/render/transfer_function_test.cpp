@@ -10,11 +10,11 @@
 
 #include "render/analytic_volumes.h"
 #include "sansmesh/error.h"
-#include "sansmesh/render/color_space.h"
-#include "sansmesh/render/color_words.h"
-#include "sansmesh/render/lighting.h"
-#include "sansmesh/render/transfer_presets.h"
-#include "sansmesh/render/transfer_table.h"
+#include "sansmesh/render/scene/color_space.h"
+#include "sansmesh/render/scene/color_words.h"
+#include "sansmesh/render/scene/lighting.h"
+#include "sansmesh/render/volume/transfer_presets.h"
+#include "sansmesh/render/volume/transfer_table.h"
 #include "support/places.h"
 
 namespace sansmesh::inline v1 {

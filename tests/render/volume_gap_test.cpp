@@ -6,8 +6,8 @@
 #include <limits>
 
 #include "render/analytic_volumes.h"
-#include "sansmesh/render/lighting.h"
-#include "sansmesh/render/volume_picture.h"
+#include "sansmesh/render/scene/lighting.h"
+#include "sansmesh/render/volume/volume_picture.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -1,4 +1,4 @@
-#include "sansmesh/render/volume_picture.h"
+#include "sansmesh/render/volume/volume_picture.h"
 
 #include <gtest/gtest.h>
 
@@ -9,12 +9,12 @@
 #include "render/analytic_volumes.h"
 #include "render/picture_levels.h"
 #include "sansmesh/error.h"
-#include "sansmesh/render/baked_volume.h"
-#include "sansmesh/render/picture_surfaces.h"
-#include "sansmesh/render/transfer_table.h"
-#include "sansmesh/render/volume_tracer.h"
+#include "sansmesh/render/surface/picture_surfaces.h"
+#include "sansmesh/render/volume/baked_volume.h"
+#include "sansmesh/render/volume/transfer_table.h"
+#include "sansmesh/render/volume/volume_tracer.h"
 #include "sansmesh/sampled_volume.h"
-#include "sansmesh/volume/volume_boundary.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 #include "support/any_threads.h"
 #include "support/mesh_shapes.h"
 

@@ -25,12 +25,12 @@ PointSet round_cloud(bool cylinder) {
 TEST(SampleCurvature, OfACylinderHasItsDirections) {
   Progress progress;
   // Ten times as large, at another position.
-  const Placement place{{5, 6, 7}, 10};
-  const SampleCurvature curvature(round_cloud(true), place, {}, progress);
+  const LocalFrame frame{{5, 6, 7}, 10};
+  const SampleCurvature curvature(round_cloud(true), frame, {}, progress);
   for (const double angle : {0.1, 1.7, 4.0}) {
     const Vec3 normal{std::cos(angle), std::sin(angle), 0};
     for (const double side : {1.0, -1.0}) {
-      const std::vector<Vec3> x{place.to_input(normal + Vec3{0, 0, 0.2})};
+      const std::vector<Vec3> x{frame.to_input(normal + Vec3{0, 0, 0.2})};
       const std::vector<Vec3f> normals{Vec3f(normal * side)};
       std::vector<SurfaceBend> found(1);
       curvature.evaluate(x, normals, found);

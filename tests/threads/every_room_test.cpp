@@ -39,9 +39,9 @@
 #include "sansmesh/measure/distance_map.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/measure/section.h"
+#include "sansmesh/mesh/edit/simplify.h"
 #include "sansmesh/mesh/mesh_distance.h"
 #include "sansmesh/mesh/mesh_quality.h"
-#include "sansmesh/mesh/simplify.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "sansmesh/model/sample_surface.h"
@@ -50,15 +50,15 @@
 #include "sansmesh/points/outliers.h"
 #include "sansmesh/points/sample_faces.h"
 #include "sansmesh/reconstruct.h"
-#include "sansmesh/render/surface_caster.h"
-#include "sansmesh/render/surface_picture.h"
+#include "sansmesh/render/surface/surface_caster.h"
+#include "sansmesh/render/surface/surface_picture.h"
 #include "sansmesh/render_options.h"
 #include "sansmesh/surface/curvature.h"
 #include "sansmesh/surface/curvature_colors.h"
 #include "sansmesh/surface/lop.h"
-#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/grid/assemble_volume.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 #include "sansmesh/volume/reconstruction.h"
-#include "sansmesh/volume/volume_boundary.h"
 #include "support/any_threads.h"
 #include "support/clouds.h"
 #include "support/surface_names.h"
@@ -137,7 +137,7 @@ TEST(EveryRoom, PointsArePrepared) {
     Progress progress;
     Findings found;
     found << find_duplicates(cloud) << find_outliers(cloud, {}, progress) << static_cast<double>(count_unique(cloud));
-    CloudUse use;
+    CloudPreparation use;
     use.remove_outliers = true;
     PreparedCloud ready = prepare_cloud(std::move(cloud), use, progress);
     found << ready.points;

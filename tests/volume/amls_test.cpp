@@ -5,12 +5,12 @@
 #include <set>
 #include <vector>
 
-#include "sansmesh/volume/amls_blend.h"
-#include "sansmesh/volume/amls_choice.h"
-#include "sansmesh/volume/amls_kernels.h"
-#include "sansmesh/volume/amls_system.h"
-#include "sansmesh/volume/support_index.h"
-#include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume/cells/volume_locator.h"
+#include "sansmesh/volume/kernels/amls_kernels.h"
+#include "sansmesh/volume/methods/amls_blend.h"
+#include "sansmesh/volume/methods/amls_choice.h"
+#include "sansmesh/volume/methods/amls_system.h"
+#include "sansmesh/volume/samples/support_index.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 #include "volume/volume_checks.h"

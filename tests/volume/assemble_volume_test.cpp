@@ -1,4 +1,4 @@
-#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/grid/assemble_volume.h"
 
 #include <cmath>
 #include <limits>
@@ -6,8 +6,8 @@
 
 #include "sansmesh/core/matrix3.h"
 #include "sansmesh/error.h"
-#include "sansmesh/volume/volume_boundary.h"
-#include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume/cells/volume_locator.h"
+#include "sansmesh/volume/grid/volume_boundary.h"
 #include "support/any_threads.h"
 #include "volume/volume_checks.h"
 

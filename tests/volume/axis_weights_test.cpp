@@ -1,4 +1,4 @@
-#include "sansmesh/volume/axis_weights.h"
+#include "sansmesh/volume/samples/axis_weights.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sansmesh/volume/cell_geometry.h"
+#include "sansmesh/volume/cells/cell_geometry.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/volume/box_tree.h"
-#include "sansmesh/volume/cell_inverse.h"
+#include "sansmesh/volume/cells/box_tree.h"
+#include "sansmesh/volume/cells/cell_inverse.h"
 
 namespace sansmesh::test {
 namespace {

@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/volume/assemble_volume.h"
-#include "sansmesh/volume/volume_values.h"
+#include "sansmesh/volume/grid/assemble_volume.h"
+#include "sansmesh/volume/grid/volume_values.h"
 
 namespace sansmesh::inline v1 {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sansmesh/error.h"
-#include "sansmesh/volume/cell_tetrahedra.h"
+#include "sansmesh/volume/cells/cell_tetrahedra.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 #include "volume/volume_checks.h"

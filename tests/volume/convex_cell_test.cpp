@@ -1,4 +1,4 @@
-#include "sansmesh/volume/convex_cell.h"
+#include "sansmesh/volume/cells/convex_cell.h"
 
 #include <gtest/gtest.h>
 

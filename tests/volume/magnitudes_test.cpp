@@ -6,8 +6,8 @@
 
 #include "sansmesh/core/binary_scale.h"
 #include "sansmesh/error.h"
+#include "sansmesh/volume/grid/volume_values.h"
 #include "sansmesh/volume/volume_traits.h"
-#include "sansmesh/volume/volume_values.h"
 #include "volume/volume_checks.h"
 
 namespace sansmesh::test {

@@ -1,4 +1,4 @@
-#include "sansmesh/volume/mean_value.h"
+#include "sansmesh/volume/cells/mean_value.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "sansmesh/volume/cell_tetrahedra.h"
+#include "sansmesh/volume/cells/cell_tetrahedra.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {

@@ -4,8 +4,8 @@
 #include <numeric>
 #include <random>
 
-#include "sansmesh/volume/cell_agreement.h"
-#include "sansmesh/volume/degree_field.h"
+#include "sansmesh/volume/methods/cell_agreement.h"
+#include "sansmesh/volume/methods/degree_field.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 #include "volume/volume_checks.h"

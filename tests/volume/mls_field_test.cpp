@@ -5,7 +5,7 @@
 #include <string>
 
 #include "sansmesh/error.h"
-#include "sansmesh/volume/degree_field.h"
+#include "sansmesh/volume/methods/degree_field.h"
 #include "support/any_threads.h"
 #include "support/sanitizers.h"
 #include "volume/volume_checks.h"

@@ -1,4 +1,4 @@
-#include "sansmesh/volume/sample_set.h"
+#include "sansmesh/volume/samples/sample_set.h"
 
 #include <gtest/gtest.h>
 

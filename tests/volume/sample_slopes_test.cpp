@@ -1,4 +1,4 @@
-#include "sansmesh/volume/sample_slopes.h"
+#include "sansmesh/volume/samples/sample_slopes.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "sansmesh/progress.h"
-#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/grid/assemble_volume.h"
 #include "volume/volume_grids.h"
 
 namespace sansmesh::inline v1 {

@@ -1,5 +1,5 @@
 // Robust fits about a sample: METHODS §6.1.
-#include "sansmesh/volume/stencil_fit.h"
+#include "sansmesh/volume/samples/stencil_fit.h"
 
 #include <gtest/gtest.h>
 

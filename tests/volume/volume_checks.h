@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "sansmesh/volume/assemble_volume.h"
+#include "sansmesh/volume/grid/assemble_volume.h"
 #include "sansmesh/volume/reconstruction.h"
 #include "volume/volume_grids.h"
 #include "volume/volume_places.h"

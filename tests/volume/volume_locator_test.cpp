@@ -1,4 +1,4 @@
-#include "sansmesh/volume/volume_locator.h"
+#include "sansmesh/volume/cells/volume_locator.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sansmesh/sampled_volume.h"
-#include "sansmesh/volume/cell_geometry.h"
+#include "sansmesh/volume/cells/cell_geometry.h"
 
 namespace sansmesh::test {
 

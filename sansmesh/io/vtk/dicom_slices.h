@@ -4,7 +4,7 @@
 #include <string>
 
 #include "sansmesh/grid_data.h"
-#include "sansmesh/io/vtk_module.h"
+#include "sansmesh/io/grids/vtk_module.h"
 
 namespace sansmesh::inline v1::io {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "sansmesh/grid_data.h"
-#include "sansmesh/io/vtk_module.h"
+#include "sansmesh/io/grids/vtk_module.h"
 
 class vtkDataArray;
 class vtkDataObject;

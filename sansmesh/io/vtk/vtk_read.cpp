@@ -38,9 +38,9 @@
 #include <streambuf>
 #include <thread>
 
+#include "sansmesh/io/grids/vtk_module.h"
 #include "sansmesh/io/vtk/dicom_slices.h"
 #include "sansmesh/io/vtk/vtk_blocks.h"
-#include "sansmesh/io/vtk_module.h"
 
 // Of the library below VTK's reader of Exodus, whose header needs more packages: what it prints about errors (0:
 // nothing).

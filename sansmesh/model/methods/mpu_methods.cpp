@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "sansmesh/model/surface_method.h"
-#include "sansmesh/mpu/mpu_surface.h"
+#include "sansmesh/surface/mpu/mpu_surface.h"
 #include "sansmesh/surface_options.h"
 
 namespace sansmesh::inline v1 {

@@ -1,0 +1,73 @@
+// sansmesh assess: how good is a mesh?
+#include "sansmesh/inspect.h"
+
+#include <fmt/core.h>
+
+#include "cli/input/cloud_input.h"
+#include "cli/line/commands.h"
+#include "cli/line/option_groups.h"
+#include "cli/line/schema_options.h"
+#include "cli/report/told_files.h"
+#include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
+
+namespace sansmesh::cli {
+namespace {
+
+struct AssessArguments {
+  std::string surface;
+  CloudInput reference;  ///< without files: none
+  AssessOptions options;
+};
+
+void run_assess(const AssessArguments& a, Console& console) {
+  require(!a.reference.files.empty() || !a.reference.classes,
+          "--class and --without-class choose among the points of the reference");
+  a.options.validate();
+  Progress& progress = console.progress();
+  progress.begin("read");
+  ReadReport read;
+  const TriangleMesh surface = to_mesh(read_points(a.surface, &read));
+  console.warn(a.surface, read.warnings);
+  const AssessResult made = a.reference.files.empty()
+                                ? assess(surface, progress)
+                                : assess(surface, a.reference.read(console, read), a.options, progress);
+  const AssessReport& r = made.report;
+  console.note(a.surface, made.notes);
+  console.tell(ToldFile{a.surface}, "surface");
+  if (r.distance) console.tell(a.reference.told(), "reference");
+  console.tell(r);
+
+  console.say(r.topology ? fmt::format("{}: {} vertices, {}", a.surface, grouped(r.topology->vertices),
+                                       counted(r.topology->triangles, "triangle"))
+                         : fmt::format("{}: {} without faces", a.surface, counted(r.vertices, "point")));
+  console.say(summary_of(r));
+}
+
+}  // namespace
+
+Command add_assess(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("assess", "Mesh → distances to a reference, topology, shape of triangles");
+  c.once_called("evaluate");
+  auto shared = std::make_shared<AssessArguments>();
+  AssessArguments& a = *shared;
+  c.add_option("mesh", a.surface, "Mesh or points").reads(endings_read(kPoints)).required();
+  c.add_option("reference", a.reference.files, "Mesh or points to compare with; several (tiles) are read as one")
+      .reads(endings_read(kPoints));
+  add_class_options(c, a.reference, " of the reference");
+  add_schema(c, a.options);
+  c.footer(
+      "To the reference: accuracy. From the reference: completeness. Normal angles are between planes, 0..90°.\n"
+      "Where a side is a set of points, distances do not fall below half their spacing.\n"
+      "Of the samples of a cloud or a meshed scan: lost, the share of them without a surface, farther from it than "
+      "two\n"
+      "spacings and four times the noise; invented, the share of the mesh's area farther than four spacings from "
+      "all.\n\n"
+      "Examples:\n"
+      "  sansmesh assess surface.ply\n"
+      "  sansmesh assess surface.ply scan.ply");
+  c.tells({told<ToldFile>("surface"), told<ReadFiles>("reference"), told<AssessReport>()});
+  return {&c, [shared](Console& console) { run_assess(*shared, console); }};
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,156 @@
+// sansmesh convert: clouds and meshes into other formats, moved, cropped, thinned, welded, split on the way.
+#include "sansmesh/convert.h"
+
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "cli/input/cloud_input.h"
+#include "cli/line/commands.h"
+#include "cli/line/option_groups.h"
+#include "cli/line/schema_options.h"
+#include "cli/report/mesh_words.h"
+#include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
+#include "sansmesh/jobs/frame_names.h"
+
+namespace sansmesh::cli {
+namespace {
+
+constexpr std::size_t kTold = 10;
+
+struct ConvertArguments {
+  CloudInput input;
+  std::string output;
+  bool ascii = false, split = false;
+  ConvertOptions options;
+  SplitOptions parts;
+};
+
+/// A cloud or a mesh that was written.
+struct ConvertedFile {
+  std::string file;
+  std::size_t size = 0;
+  std::optional<std::size_t> triangles;
+
+  static const ReportSchema& schema();
+};
+
+constexpr ReportRow kConvertedFile[] = {
+    reported<&ConvertedFile::file>({.text = "File"}),
+    reported<[](const ConvertedFile& r) { return told_if(!r.triangles, r.size); }>(
+        {.name = "points", .text = "Points that were written"}),
+    reported<[](const ConvertedFile& r) { return told_if(r.triangles.has_value(), r.size); }>(
+        {.name = "vertices", .text = "Vertices that were written"}),
+    reported<&ConvertedFile::triangles>({.text = "Triangles that were written"})};
+constexpr ReportSchema kConvertedFileSchema{kConvertedFile};
+const ReportSchema& ConvertedFile::schema() { return kConvertedFileSchema; }
+
+/// Names that nobody gave: they must not be those of the input.
+std::vector<std::string> names_of_parts(const ConvertArguments& a, std::size_t parts, Console& console) {
+  std::vector<std::string> names(parts);
+  for (std::size_t k = 0; k < parts; ++k) names[k] = part_name(a.output, k + 1, parts);
+  check_inputs_stay(a.input.files, names);
+  std::error_code none;
+  const std::string beyond = part_name(a.output, parts + 1, parts);
+  if (std::filesystem::exists(beyond, none))
+    console.warn(beyond, {"is none of the " + counted(parts, "part") + ", but was there before"});
+  return names;
+}
+
+void run_convert(const ConvertArguments& a, Console& console) {
+  a.options.validate();
+  a.parts.validate();
+  require(a.split || options_set(a.parts).empty(), "--split-distance and --min-size mean nothing without --split");
+  check_converted(a.output, a.options.vertices_only);
+  const std::string name = a.input.name();
+  Progress& progress = console.progress();
+  ReadReport read;
+  PointSet given = a.input.read(console, read);
+  ConvertResult made = naming(name, console, [&] { return convert(std::move(given), a.options, progress); });
+  CloudOrMesh& data = made.data;
+  console.note(name, made.notes);
+  console.note(a.output, fit_to_format(data, a.output));
+  if (data.is_mesh)
+    warn_of_losses(name, read, a.output, data.mesh, console);
+  else
+    warn_of_losses(name, read, a.output, data.points, console);
+  const std::vector<std::string> lost = left_out(a.output, data);
+  std::vector<std::string> said = summary_of(made.report);
+  std::vector<CloudOrMesh> parts;
+  std::vector<std::string> files{a.output};
+  if (a.split) {
+    SplitResult found = naming(name, console, [&] { return split(data, a.parts, progress); });
+    console.note(name, found.notes);
+    said.push_back(summary_of(found)[0]);
+    console.tell(found);
+    parts = std::move(found.parts);
+    files = names_of_parts(a, parts.size(), console);
+  } else {
+    parts.push_back(std::move(data));
+  }
+  progress.begin("write");
+  std::vector<ConvertedFile> outputs;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    write_converted(files[k], parts[k], a.ascii);
+    const bool mesh = parts[k].is_mesh;
+    outputs.push_back({files[k], parts[k].size(), told_if(mesh, parts[k].mesh.triangles.size())});
+  }
+  console.say(fmt::format("{}: {} ({})", name, made.report.size_words, read.format));
+  console.say(said);
+  for (std::size_t k = 0; k < std::min(kTold, parts.size()); ++k)
+    console.say(fmt::format("{}: {}{}", files[k], parts[k].size_words(), a.split ? "" : parts[k].belongings(lost)));
+  if (parts.size() > kTold)
+    console.say(fmt::format("… {} written, {}", counted(parts.size(), "part"), WrittenPictures{files}.words()));
+  console.tell(a.input.told(), "input");
+  console.tell_value("input.format", read.format);
+  console.tell_value("input.unread", read.unread);
+  console.tell(made.report);
+  console.tell(outputs, "outputs");
+  console.tell_value("left_out", lost);
+}
+
+}  // namespace
+
+Command add_convert(CommandLine& app) {
+  CommandLine& c =
+      app.add_subcommand("convert", "Points or meshes → other formats; moved, cropped, thinned, merged, split");
+  auto shared = std::make_shared<ConvertArguments>();
+  ConvertArguments& a = *shared;
+  add_cloud_input(c, a.input, "Points, or a mesh or polygon soup");
+  c.add_option("-o,--output", a.output,
+               "Mesh (" + listed_endings(endings_written(kMesh)) + ") or points (" +
+                   listed_endings(endings_written(kPoints)) + ") to write")
+      .writes(endings_written(kMesh | kPoints))
+      .required();
+  add_ascii_flag(c, a.ascii);
+  add_schema(c, a.options, {.only = {"vertices_only"}});
+  c.add_flag("--split", a.split, "Connected parts as files of their own: NAME_001.ply, … the largest first");
+  add_schema(c, a.parts);
+  add_schema(c, a.options,
+             {.group = "Moves",
+              .only = {"transform", "inverse_transform", "translate", "center", "rotate", "scale", "about", "new_axes",
+                       "up", "unit", "to_unit"}});
+  add_schema(
+      c, a.options,
+      {.group = "Selection", .only = {"box", "outside_box", "point_spacing", "point_count", "every", "keep", "drop"}});
+  add_schema(c, a.options, {.group = "Changes", .only = {"weld", "flip", "flip_faces", "flip_normals"}});
+  c.footer(std::string(kReadable) +
+           " Moves, selections and changes are done in the order in\n"
+           "which they are given.\n\nExamples:\n"
+           "  sansmesh convert part.stl -o part.ply --weld 0 --unit mm --to-unit m --up z\n"
+           "  sansmesh convert a.las b.las -o all.ply --box 0,0,0,100,100,50 --point-spacing 0.5\n"
+           "  sansmesh convert scan.ply -o moved.ply --transform matrix.txt");
+  c.tells({told<ReadFiles>("input"), told_value<std::string>("input.format", "Format of the file"),
+           told_value<std::vector<std::string>>("input.unread", "What there was no place for"), told<ConvertReport>(),
+           told<SplitResult>(), told_list<ConvertedFile>("outputs"),
+           told_value<std::vector<std::string>>("left_out", "What the format of the output has no room for")});
+  return {&c, [shared](Console& console) { run_convert(*shared, console); }};
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,110 @@
+// sansmesh info: what is in a file?
+#include "sansmesh/points.h"
+#include "sansmesh/volumes.h"
+
+#include <fmt/core.h>
+
+#include <string>
+#include <utility>
+
+#include "cli/input/cloud_input.h"
+#include "cli/input/volume_input.h"
+#include "cli/line/commands.h"
+#include "cli/line/error_words.h"
+#include "cli/line/option_groups.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
+
+namespace sansmesh::cli {
+namespace {
+
+void run_function_info(const std::string& file, Console& console) {
+  console.progress().begin("read");
+  const FunctionInfo made = info(read_function(file));
+  console.tell(ToldFile{file});
+  console.tell_value("format", "function");
+  console.tell(made);
+  console.say(fmt::format("{}: function, partition of unity", file));
+  console.say(summary_of(made));
+}
+
+void run_info(const CloudInput& input, Console& console) {
+  if (input.is_function()) return run_function_info(input.files[0], console);
+  ReadReport read;
+  const PointSet points = input.read(console, read);
+  const CloudInfo made = info(points, console.progress());
+  console.tell(input.told(read, made.points));
+  console.tell(made);
+
+  console.say(fmt::format("{}: {}", input.name(), read.format));
+  console.say(summary_of(made));
+}
+
+void run_volume_info(const VolumeInput& input, Console& console) {
+  VolumeInput any = input;
+  any.bare = true;
+  VolumeModel volume = any.open(console);
+  const VolumeInfo made = volume_info(volume, console.progress());
+  console.tell(input.told());
+  console.tell(made);
+  console.say(fmt::format("{}: {}", input.name(), made.format));
+  console.say(summary_of(made));
+}
+
+/// `said`: the files were said to be a volume.
+void run_any_info(const CloudInput& input, VolumeInput volume, bool said, Console& console) {
+  if (!said && !are_volumes(input.files) && !volume.read.raw.given()) return run_info(input, console);
+  volume.files = input.files;
+  run_volume_info(volume, console);
+}
+
+}  // namespace
+
+Command add_info(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("info",
+                                      "File → what is in it: points, box, spacing, noise, normals, faces; grid "
+                                      "and arrays of volumes");
+  auto input = std::make_shared<CloudInput>();
+  auto volume = std::make_shared<VolumeInput>();
+  add_cloud_input(
+      c, *input,
+      "Points, mesh, function (.smf) or volume, or several of them; `data FILE` takes points for samples of a "
+      "volume",
+      false);
+  add_raw_options(c, volume->read);
+  c.footer(std::string(kReadable) + "\n" + kReadableVolumes +
+           "\n\nExamples:\n"
+           "  sansmesh info scan.ply\n"
+           "  sansmesh info *.ply --json\n"
+           "  sansmesh info west.las east.las --as-one\n"
+           "  sansmesh info fire.vtu\n"
+           "  sansmesh info data samples.csv");
+  auto as_one = std::make_shared<bool>(false);
+  c.add_flag("--as-one", *as_one, "Several files (tiles, blocks) are one cloud, or one volume");
+  c.tells({told<ReadCloud>(), told<CloudInfo>(), told<ToldFile>(),
+           told_value<std::string>("format", "Format of the file"), told<FunctionInfo>(), told<ReadFiles>(),
+           told<VolumeInfo>()});
+  return {&c, [input, volume, as_one, &c](Console& console) {
+            const bool said = says_volume(input->files);
+            if (*as_one || input->files.size() == 1) return run_any_info(*input, *volume, said, console);
+            console.list_results();
+            bool told = false;
+            for (const std::string& file : input->files) {
+              CloudInput one = *input;
+              one.files = {file};
+              if (std::exchange(told, true)) console.say("");
+              try {
+                run_any_info(one, *volume, said, console);
+                console.end_result();
+              } catch (const FileError& error) {
+                told = false;
+                console.fail(file, words_of_file_error(error, c));
+              } catch (const DataError& error) {
+                told = false;
+                console.fail(file, file + ": " + console.in_flags(error.what()));
+              }
+            }
+          }};
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,65 @@
+// sansmesh mesh: function file in, mesh out.
+#include <fmt/core.h>
+
+#include "cli/input/cloud_input.h"
+#include "cli/line/commands.h"
+#include "cli/line/option_groups.h"
+#include "cli/line/schema_options.h"
+#include "cli/report/mesh_words.h"
+#include "sansmesh/functions.h"
+#include "sansmesh/jobs/fit_words.h"
+#include "sansmesh/mesh_options.h"
+
+namespace sansmesh::cli {
+namespace {
+
+struct MeshArguments {
+  std::string input;
+  MeshOutput output;
+  MeshOptions options;
+};
+
+void run_mesh(MeshArguments& a, Console& console) {
+  a.options.validate();
+  a.output.check();
+  console.progress().begin("read");
+  const SurfaceFunction function = read_function(a.input);
+  const auto [mesh, report, notes] =
+      naming(a.input, console, [&] { return mesh_of_function(function, a.options, console.progress()); });
+  console.note(a.input, notes);
+  a.output.write(mesh, console);
+  const std::size_t fits = info(function).fits;
+  console.tell(ToldFile{a.input}, "input");
+  console.tell_value("input.fits", fits);
+  console.tell(report);
+  if (!console.says()) return;
+
+  console.say(fmt::format("{}: {}, {}", a.input, counted(fits, "local fit"), counted(function.samples(), "sample")));
+  const MeshTopology topology = measure_topology(mesh);
+  say_mesh(a.output.file, mesh, topology.components, topology.closed(), console);
+  if (report.simplices > 0) console.say("walked through " + grouped(report.simplices) + " simplices");
+  if (a.options.measure_quality) console.say(aspect_words(report));
+}
+
+}  // namespace
+
+Command add_mesh(CommandLine& app) {
+  CommandLine& c = app.add_subcommand("mesh", "Function file → triangle mesh, closed where it bounds a solid");
+  auto a = std::make_shared<MeshArguments>();
+  c.add_option("input", a->input, "Function, .smf").reads({".smf"}).required();
+  add_mesh_output(c, a->output);
+  add_mesh_options(c, a->options);
+  add_schema(c, a->options, {.only = {"box"}});
+  add_schema(c, a->options, {.group = "Mesh", .only = {"block_depth"}});
+  c.footer(
+      "Examples:\n"
+      "  sansmesh mesh scan.smf -o scan-mesh.ply\n"
+      "  sansmesh mesh scan.smf -o quick.stl --block-depth 6\n"
+      "  sansmesh mesh scan.smf -o part.ply --box 0,0,0,10,10,5\n"
+      "  sansmesh mesh scan.smf -o small.glb --triangles 20000 --preview small.png");
+  c.tells({told<ToldFile>("input"), told_value<std::size_t>("input.fits", "Local fits of the function"),
+           told<MeshReport>()});
+  return {&c, [a](Console& console) { run_mesh(*a, console); }};
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,139 @@
+// sansmesh volume surface: isosurfaces and surfaces of high gradient straight from the samples of a volume.
+#include "sansmesh/isosurfaces.h"
+#include "sansmesh/volumes.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/input/volume_input.h"
+#include "cli/line/commands.h"
+#include "cli/line/option_groups.h"
+#include "cli/line/schema_options.h"
+#include "cli/report/mesh_words.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
+#include "sansmesh/jobs/color_bar.h"
+#include "sansmesh/volume_pictures.h"
+
+namespace sansmesh::cli {
+namespace {
+
+struct VolumeSurfaceArguments {
+  VolumeInput input;
+  SurfaceInVolumeOptions options;
+  MeshInVolumeOptions meshing;
+  SurfaceInVolumeLook look;
+  std::string output, points;
+  std::optional<double> distance;
+  PictureArguments picture;
+  bool ascii = false;
+
+  bool to_picture() const { return output.size() > 4 && output.ends_with(".png"); }
+  /// Throws what keeps the outputs from being written, and ArgumentError for what does not go together.
+  void check() const;
+};
+
+void VolumeSurfaceArguments::check() const {
+  require(!output.empty() || !points.empty(), "--output or --points-output is needed");
+  require(to_picture() || options_set(look).empty(), "--color-by, --sharp and --frames need a picture");
+  require(to_picture() || !picture.any(), "options of the picture need one: -o FILE.png");
+  require(!distance || !points.empty(), "--point-spacing needs --points-output");
+  require(!distance || *distance > 0, "--point-spacing must be positive");
+  require(output != points, "--output and --points-output are the same file");
+  if (!output.empty()) check_writable(output, to_picture() ? "image" : "mesh");
+  if (!points.empty()) check_writable(points, "points");
+  options.validate();
+  meshing.validate();
+  look.validate();
+  if (to_picture()) picture.chosen().validate();
+  picture.check_frames(look.frames.has_value());
+}
+
+void draw_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
+                  Console& console) {
+  PictureFiles files(a.picture, a.output, a.look.frames.has_value(), console);
+  const DrawnSurfaceInVolume drawn =
+      draw_surface_in_volume(surface, volume, a.look, a.picture.chosen(), files.writer(), console.progress());
+  console.note(volume.name(), drawn.notes);
+  if (drawn.colors && !drawn.colors->curvature) console.tell(*drawn.colors, "colors");
+  console.tell(drawn.rays, "rays");
+  console.tell(files.written(), "output");
+  console.say(files.written().size_line());
+}
+
+void write_surface(const VolumeSurfaceArguments& a, const SurfaceInVolume& surface, const VolumeModel& volume,
+                   Console& console) {
+  const MeshInVolume made = mesh_of_surface(surface, a.meshing, console.progress());
+  const MeshInVolumeReport& r = made.report;
+  console.note(volume.name(), made.notes);
+  console.progress().begin("write");
+  write_mesh(a.output, made.mesh, {.ascii = a.ascii});
+  tell_mesh(a.output, made.mesh, console);
+  console.tell(r);
+  say_mesh(a.output, made.mesh, static_cast<std::size_t>(r.mesh.components), r.volume.has_value(), console);
+  console.say(area_words(r.area, r.volume));
+}
+
+void run_volume_surface(const VolumeSurfaceArguments& a, Console& console) {
+  a.check();
+  VolumeModel volume = a.input.open(console);
+  Progress& progress = console.progress();
+  if (!a.look.color_by.empty() && !a.look.curvature()) volume.scalar_choice(a.look.color_by, "color_by");
+  const auto made = std::make_shared<const SurfaceInVolume>(surface_in_volume(volume, a.options, progress));
+  const SurfaceInVolume& surface = *made;
+  console.tell(a.input.told(volume, progress), "input");
+  console.tell(surface);
+  console.say(summary_of(surface, volume, progress));
+  console.note(volume.name(), surface.notes);
+  std::optional<PointSet> points;
+  if (!a.points.empty()) points = points_of_surface(surface, a.distance, progress);
+  if (a.to_picture())
+    draw_surface(a, surface, volume, console);
+  else if (!a.output.empty())
+    write_surface(a, surface, volume, console);
+  if (!points) return;
+  write_points(a.points, *points, {});
+  console.say(fmt::format("{}: {}", a.points, counted(points->size(), "point")));
+  console.tell(WrittenPoints{a.points, points->size()}, "points");
+}
+
+}  // namespace
+
+Command add_volume_surface(CommandLine& volume) {
+  CommandLine& c = volume.add_subcommand("surface", "Volume on any grid → smooth surface by moving least squares");
+  auto shared = std::make_shared<VolumeSurfaceArguments>();
+  VolumeSurfaceArguments& a = *shared;
+  add_volume_input(c, a.input);
+  c.add_option("-o,--output", a.output, "Picture (.png) or mesh (.ply, .obj, .stl, …) to write")
+      .writes({".png", ".ply", ".obj", ".stl", ".off", ".glb", ".vtp"});
+  c.add_option("--points-output", a.points, "Also or only: points spread evenly over the surface, with normals")
+      .writes(endings_written(kPoints))
+      .once_called("--points");
+  c.add_option("--point-spacing", a.distance, "Distance of these points [the spacing of the samples]")
+      .type_name("LENGTH")
+      .once_called("--distance");
+  add_schema(c, a.options, {.only = {"value", "high_gradient"}});
+  add_schema(c, a.options.surface, {.group = "Weights", .without = {"high_gradient"}});
+  add_schema(c, a.look, {.group = "Picture"});
+  add_background_option(c, a.picture);
+  add_picture_options(c, a.picture);
+  add_schema(c, a.meshing, {.group = "Mesh"});
+  c.add_flag("--ascii", a.ascii, "Write text, not binary").group("Mesh");
+  c.footer(std::string(kReadableVolumes) +
+           "\n\nExamples:\n"
+           "  sansmesh volume surface head.mhd --value 1150 -o skull.png\n"
+           "  sansmesh volume surface engine.nrrd --high-gradient -o engine.ply\n"
+           "  sansmesh volume surface fire.vtu --array t --value 1000 --color-by mfrac -o hot.png");
+  c.tells({told<ReadVolume>("input"), told<SurfaceInVolume>(), told<ShownColors>("colors"), told<CastCounts>("rays"),
+           told<WrittenPictures>("output"), told<WrittenMesh>("output"), told<MeshInVolumeReport>(),
+           told<WrittenPoints>("points")});
+  return {&c, [shared](Console& console) { run_volume_surface(*shared, console); }};
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,99 @@
+#include "cli/input/cloud_input.h"
+
+#include <fmt/core.h>
+
+#include "cli/line/command_line.h"
+#include "cli/line/option_groups.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io/formats.h"
+#include "sansmesh/points/spacing.h"
+#include "sansmesh/surface_function.h"
+
+namespace sansmesh::cli {
+namespace {
+
+/// What --class or --without-class names.
+PointClasses classes_of(const std::string& list) {
+  try {
+    return parse_point_classes(list);
+  } catch (const ArgumentError& error) {
+    throw ValueError(error.what());
+  }
+}
+
+}  // namespace
+
+CloudScale::CloudScale(const PointSet& points) : spacing(estimate_spacing(points)), noise(measure_noise(points)) {}
+
+std::string CloudScale::noise_words() const { return sansmesh::noise_words(noise, spacing); }
+
+const ReportSchema& CloudScale::schema() {
+  static constexpr ReportRow rows[] = {
+      reported<&CloudScale::spacing>({.text = "Spacing of the points", .unit = "length"}),
+      reported_beside<&CloudScale::noise>()};
+  static constexpr ReportSchema schema{rows};
+  return schema;
+}
+
+std::string CloudInput::name() const {
+  if (files.size() == 1) return files[0];
+  return fmt::format("{} and {}", files[0], counted(files.size() - 1, "other file"));
+}
+
+bool CloudInput::is_function() const {
+  if (files.size() != 1 || !is_function_file(files[0])) return false;
+  if (classes) throw ArgumentError("--class and --without-class are for points: the input is a function");
+  return true;
+}
+
+PointSet CloudInput::read(Console& console, ReadReport& report) const {
+  console.progress().begin("read");
+  PointSet points = read_merged(files, &report);
+  if (files.size() == 1)
+    console.warn(files[0], report.warnings);
+  else
+    console.warn(report.warnings);
+  if (classes) {
+    const std::size_t given = points.size();
+    try {
+      keep_classes(points, *classes);
+    } catch (const DataError& error) {
+      throw FileError(name(), console.in_flags(error.what()));
+    }
+    console.say(
+        fmt::format("{}: {} of {} are of the classes chosen", name(), grouped(points.size()), counted(given, "point")));
+  }
+  return points;
+}
+
+void add_cloud_input(CommandLine& c, CloudInput& input, const std::string& what, bool as_one) {
+  c.add_option("input", input.files, what + (as_one ? "; several (tiles) are read as one" : ""))
+      .reads(endings_read(kPoints | kFunction))
+      .required();
+  add_class_options(c, input);
+}
+
+void add_class_options(CommandLine& c, CloudInput& input, const std::string& of) {
+  c.add_option_function(
+       "--class",
+       [&input](const std::string& list) {
+         const PointClasses wanted = classes_of(list);
+         input.classes = input.classes ? *input.classes & wanted : wanted;
+         input.with = list;
+       },
+       "Only points" + of + " of these classes, with commas between them: names (ground, building) or numbers (2, 3-5)")
+      .type_name("CLASSES")
+      .group("Input");
+  c.add_option_function(
+       "--without-class",
+       [&input](const std::string& list) {
+         const PointClasses unwanted = classes_of(list);
+         input.classes = input.classes ? *input.classes & ~unwanted : ~unwanted;
+         input.without = list;
+       },
+       "All but points" + of + " of these classes: noise")
+      .type_name("CLASSES")
+      .group("Input");
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,15 @@
+// Shell completion, made from the table of options.
+#pragma once
+
+#include <string>
+
+#include "cli/line/command_line.h"
+
+namespace sansmesh::cli {
+
+/// Scripts that complete commands, options, the words of choices, and names of files with endings that fit.
+std::string bash_completion(const CommandLine& root);
+std::string zsh_completion(const CommandLine& root);
+std::string fish_completion(const CommandLine& root);
+
+}  // namespace sansmesh::cli

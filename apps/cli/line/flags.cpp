@@ -1,0 +1,57 @@
+#include "cli/line/flags.h"
+
+#include "cli/line/command_line.h"
+
+namespace sansmesh::cli {
+namespace {
+
+/// What the command calls a field; empty if it has no option for it.
+std::string flag_of(std::string_view field, const CommandLine& command) {
+  for (const auto& option : command.options())
+    if (option->field == field) return option->name();
+  // A flag that turns its field on or, where there is no such flag, that which turns it off.
+  for (const auto& option : command.options())
+    if (option->row && option->row->kind == OptionKind::flag &&
+        (option->field + " = true" == field || option->row->name == field))
+      return option->name();
+  for (const auto& option : command.options())
+    if (option->row && !option->row->old_name.empty() && option->row->old_name == field) return option->name();
+  const std::string flag = flag_of_name(field);
+  return command.has(flag) ? flag : std::string();
+}
+
+/// A field, or one with a value.
+std::string translated(std::string_view code, const CommandLine& command) {
+  std::string flag = flag_of(code, command);
+  if (!flag.empty()) return flag;
+  constexpr std::string_view kIs = " = ";
+  const std::size_t is = code.find(kIs);
+  if (is != std::string_view::npos) flag = flag_of(code.substr(0, is), command);
+  if (flag.empty()) return std::string(code);
+  // After a flag that may stand alone the next word is not its value.
+  const OptionEntry* const option = command.find(flag);
+  return flag + (option && option->implied ? "=" : " ") + std::string(code.substr(is + kIs.size()));
+}
+
+}  // namespace
+
+std::string flag_of_name(std::string_view name) {
+  std::string flag = "--";
+  for (const char c : name) flag += c == '_' ? '-' : c;
+  return flag;
+}
+
+std::string in_flags(const std::string& message, const CommandLine& command) {
+  std::string text;
+  std::size_t at = 0;
+  for (;;) {
+    const std::size_t opens = message.find('`', at);
+    const std::size_t closes = opens == std::string::npos ? opens : message.find('`', opens + 1);
+    if (closes == std::string::npos) return text + message.substr(at);
+    text += message.substr(at, opens - at);
+    text += translated(std::string_view(message).substr(opens + 1, closes - opens - 1), command);
+    at = closes + 1;
+  }
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,76 @@
+#include "cli/line/option_groups.h"
+
+#include <vector>
+
+#include "cli/line/schema_options.h"
+#include "cli/report/mesh_words.h"
+#include "sansmesh/error.h"
+#include "sansmesh/io.h"
+#include "sansmesh/io/formats.h"
+
+namespace sansmesh::cli {
+
+void require(bool ok, const char* message) {
+  if (!ok) throw ArgumentError(message);
+}
+
+std::vector<Vec3> places_at(const std::vector<double>& v) {
+  std::vector<Vec3> places;
+  for (std::size_t i = 0; i + 2 < v.size(); i += 3) {
+    places.push_back({v[i], v[i + 1], v[i + 2]});
+    if (!is_finite(places.back())) throw ArgumentError("--at must be three finite numbers");
+  }
+  return places;
+}
+
+void add_ascii_flag(CommandLine& c, bool& ascii) {
+  c.add_flag("--ascii", ascii, "Write text where the format also has a binary form");
+}
+
+void MeshOutput::check() const {
+  check_writable(file, "mesh");
+  check_preview();
+}
+
+void MeshOutput::check_preview() const {
+  picture.chosen().validate();
+  require(!preview.empty() || !picture.any(), "options of the picture need --preview");
+  if (!preview.empty()) check_writable(preview, "image");
+}
+
+void MeshOutput::write(const TriangleMesh& mesh, Console& console) const {
+  Progress& progress = console.progress();
+  Image image;
+  const RenderOptions look = picture.chosen();
+  if (!preview.empty()) image = render_mesh(mesh, look, progress);
+  progress.begin("write");
+  write_mesh(file, mesh, {.ascii = ascii});
+  if (!preview.empty()) picture.write(preview, image, look);
+  tell_mesh(file, mesh, console);
+}
+
+void add_mesh_output(CommandLine& c, MeshOutput& o, bool required) {
+  c.tells({told<WrittenMesh>("output")});
+  const Option file = c.add_option("-o,--output", o.file, "Mesh to write: " + listed_endings(endings_written(kMesh)))
+                          .writes(endings_written(kMesh));
+  if (required) file.required();
+  add_preview_option(c, o.preview, "the mesh");
+  add_ascii_flag(c, o.ascii);
+  add_picture_options(c, o.picture);
+  add_wireframe_options(c, o.picture.options);
+}
+
+void add_cloud_options(CommandLine& c, CloudPreparation& o) {
+  add_schema(c, o, {.only = {"faces", "normals", "orient_by", "align"}});
+}
+
+void add_fit_options(CommandLine& c, FitOptions& o) { add_schema(c, o, {.group = "Fit"}); }
+
+void add_mesh_options(CommandLine& c, MeshOptions& o) {
+  add_schema(c, o, {.only = {"components", "fill_holes", "trim", "confidence", "quality"}});
+  add_schema(
+      c, o,
+      {.group = "Mesh", .only = {"mesher", "mesh_error", "triangles", "enhance", "displacement", "carry_colors"}});
+}
+
+}  // namespace sansmesh::cli

@@ -1,0 +1,122 @@
+#include "sansmesh/io/points/merge_points.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "sansmesh/core/number_words.h"
+#include "sansmesh/error.h"
+
+namespace sansmesh::inline v1::io {
+namespace {
+
+/// One array of all parts; each part's is given back as soon as it is copied.
+template <class T>
+void append_arrays(std::vector<PointSet>& parts, std::vector<T> PointSet::*array, std::size_t total,
+                   std::vector<T>& out) {
+  out.reserve(total);
+  for (PointSet& part : parts) {
+    out.insert(out.end(), (part.*array).begin(), (part.*array).end());
+    std::vector<T>().swap(part.*array);
+  }
+}
+
+/// The same where only parts may have it: then nobody gets it, and a warning says so.
+template <class T>
+void append_if_all(const std::vector<std::string>& files, std::vector<PointSet>& parts, std::vector<T> PointSet::*array,
+                   std::size_t total, const char* what, PointSet& all, ReadReport& report) {
+  const auto has = [&](const PointSet& part) { return !(part.*array).empty(); };
+  const auto without = std::find_if_not(parts.begin(), parts.end(), has);
+  if (without == parts.end()) return append_arrays(parts, array, total, all.*array);
+  if (std::any_of(parts.begin(), parts.end(), has))
+    report.warnings.push_back(printable(files[static_cast<std::size_t>(without - parts.begin())], 200) + ": has no " +
+                              what + ": those of the other files were left out");
+}
+
+/// The same where those of the other parts are unknown.
+template <class T>
+void append_if_any(std::vector<PointSet>& parts, std::vector<T> PointSet::*array, const std::vector<std::size_t>& sizes,
+                   std::size_t total, const T& unknown, PointSet& all) {
+  if (std::all_of(parts.begin(), parts.end(), [&](const PointSet& part) { return (part.*array).empty(); })) return;
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    if ((parts[k].*array).empty()) (parts[k].*array).assign(sizes[k], unknown);
+  append_arrays(parts, array, total, all.*array);
+}
+
+/// Scans are numbered within their files; a file that has none is one itself, seen from nobody knows where, and has its
+/// number after all those that have their positions.
+void number_scans(const std::vector<std::string>& files, const std::vector<std::size_t>& points,
+                  std::vector<PointSet>& parts, PointSet& all, ReadReport& report) {
+  std::size_t scanners = 0, others = 0;
+  for (const PointSet& part : parts) scanners += part.scanners.size(), others += part.scan_of_point.empty();
+  if (scanners + others >= PointSet::kUnknownScan) {
+    report.warnings.push_back("more than 65,534 scans: which sample is of which was left out");
+    for (PointSet& part : parts) part.scan_of_point.clear(), part.scanners.clear();
+    return;
+  }
+  all.scan_names.resize(scanners + others);
+  std::size_t first = 0, other = scanners;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    PointSet& part = parts[k];
+    const std::size_t own = part.scanners.size();
+    for (std::size_t s = 0; s < own; ++s)
+      all.scan_names[first + s] = s < part.scan_names.size() ? part.scan_names[s] : printable(files[k], 200);
+    if (part.scan_of_point.empty()) {
+      all.scan_names[other] = printable(files[k], 200);
+      part.scan_of_point.assign(points[k], static_cast<std::uint16_t>(other++));
+    } else {
+      for (std::uint16_t& scan : part.scan_of_point)
+        scan = scan < own ? static_cast<std::uint16_t>(scan + first) : PointSet::kUnknownScan;
+    }
+    first += own;
+  }
+}
+
+/// The tables of all parts as one. Warns of what has one name and several types.
+AttributeTable join(const std::vector<std::string>& files, const std::vector<PointSet>& parts,
+                    AttributeTable PointSet::*table, const std::vector<std::size_t>& rows, ReadReport& report) {
+  std::vector<const AttributeTable*> tables(parts.size());
+  for (std::size_t k = 0; k < parts.size(); ++k) tables[k] = &(parts[k].*table);
+  AttributeTable all = join_rows(tables, rows);
+  for (std::size_t k = 0; k < parts.size(); ++k)
+    for (const Attribute& a : *tables[k])
+      if (const Attribute* const kept = all.find(a.name); kept->type() != a.type() || kept->components != a.components)
+        report.warnings.push_back(printable(files[k], 200) + ": '" + printable(a.name, 80) +
+                                  "' is of another type than in the files before: unknown for these points");
+  return all;
+}
+
+}  // namespace
+
+PointSet merge_points(const std::vector<std::string>& files, std::vector<PointSet> parts, ReadReport& report) {
+  std::vector<std::size_t> points(parts.size()), triangles(parts.size());
+  std::size_t n = 0, faces = 0;
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    points[k] = parts[k].size(), triangles[k] = parts[k].triangles.size();
+    n += points[k], faces += triangles[k];
+    if (n > 0xfffffffeu)
+      throw FileError(files[k], "together with those before it holds " + grouped(n) +
+                                    " points; at most 4,294,967,294 are supported");
+  }
+  PointSet all;
+  all.origin = parts[0].origin;
+  all.attributes = join(files, parts, &PointSet::attributes, points, report);
+  all.triangle_attributes = join(files, parts, &PointSet::triangle_attributes, triangles, report);
+  number_scans(files, points, parts, all, report);
+  std::uint32_t first = 0;  // triangles are numbered within their files, too
+  for (PointSet& part : parts) {
+    part.attributes.clear(), part.triangle_attributes.clear();
+    for (auto& t : part.triangles)
+      for (std::uint32_t& corner : t) corner += first;
+    first += static_cast<std::uint32_t>(part.size());
+  }
+  append_if_all(files, parts, &PointSet::normals, n, "normals", all, report);
+  append_if_all(files, parts, &PointSet::colors, n, "colours", all, report);
+  append_arrays(parts, &PointSet::scan_of_point, n, all.scan_of_point);
+  append_arrays(parts, &PointSet::scanners, all.scan_names.size(), all.scanners);
+  append_if_any(parts, &PointSet::grid_normals, points, n, Vec3f{}, all);
+  append_arrays(parts, &PointSet::triangles, faces, all.triangles);
+  append_arrays(parts, &PointSet::positions, n, all.positions);
+  return all;
+}
+
+}  // namespace sansmesh::inline v1::io

@@ -1,0 +1,78 @@
+#include "sansmesh/mesh/align/align_difference.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sansmesh/core/median.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/align/align_fit.h"
+
+namespace sansmesh::inline v1::detail {
+namespace {
+
+/// Medians of so few offsets tell nothing.
+constexpr std::size_t kFewestNeighbours = 5;
+constexpr std::size_t kMostNeighbours = 64;
+/// Standard deviations of a median beyond which it is no chance; and deviation over median of the absolute offsets.
+constexpr double kSurelyNoChance = 4, kDeviationOfMedianOffset = 1.4826, kDeviationOfMedians = 1.2533;
+
+}  // namespace
+
+ShapeDifference shape_difference(const OrientedPoints& moving, const WholeSurface& fixed, const Pose& pose,
+                                 double spacing, double reach, double least, bool signs) {
+  struct Offset {
+    Vec3 offset, normal;
+    bool counts = false;
+  };
+  std::vector<Offset> offsets(moving.size());
+  parallel_for(0, moving.size(), 128, [&](std::size_t i) {
+    Foot foot;
+    const Vec3 at = pose(moving.x[i]);
+    if (!fixed.closest(at, reach, foot) || foot.beyond) return;
+    if (!alike_normals(pose.turn(moving.n[i]), foot.normal, signs)) return;
+    offsets[i] = {at - foot.point, foot.normal, squared_norm(foot.normal) > 0};
+  });
+  std::vector<Vec3f> places;
+  std::vector<std::uint32_t> of_place;
+  for (std::uint32_t i = 0; i < offsets.size(); ++i)
+    if (offsets[i].counts) places.push_back(Vec3f(pose(moving.x[i]))), of_place.push_back(i);
+  if (places.empty()) return {};
+
+  const KdTree tree(places);
+  struct Local {
+    double middle = 0, scatter = 0;  ///< medians of the heights and of their distances from it
+    std::size_t count = 0;           ///< 0: not told
+  };
+  std::vector<Local> locals(places.size());
+  parallel_for(0, places.size(), 64, [&](std::size_t p) {
+    Neighbour near[kMostNeighbours];
+    const std::size_t found = tree.nearest(places[p], near);
+    std::vector<double> heights;
+    const Vec3& normal = offsets[of_place[p]].normal;
+    for (std::size_t k = 0; k < found && static_cast<double>(near[k].squared_distance) <= spacing * spacing; ++k)
+      heights.push_back(dot(offsets[of_place[near[k].index]].offset, normal));
+    if (heights.size() < kFewestNeighbours) return;
+    Local& local = locals[p];
+    local.count = heights.size();
+    local.middle = median(heights);
+    for (double& h : heights) h = std::abs(h - local.middle);
+    local.scatter = median(heights);
+  });
+  // A few heights may lie together by chance: nowhere is the noise taken to be less than it usually is.
+  std::vector<double> scatters;
+  for (const Local& local : locals)
+    if (local.count > 0) scatters.push_back(local.scatter);
+  if (scatters.empty()) return {};
+  const double told = static_cast<double>(scatters.size()), usual = median(scatters);
+  std::vector<double> there;
+  for (const Local& local : locals) {
+    if (local.count == 0) continue;
+    const double deviation = kDeviationOfMedians * kDeviationOfMedianOffset * std::max(local.scatter, usual) /
+                             std::sqrt(static_cast<double>(local.count));
+    if (std::abs(local.middle) > std::max(least, kSurelyNoChance * deviation)) there.push_back(std::abs(local.middle));
+  }
+  const double share = static_cast<double>(there.size()) / told;
+  return {share, median(there)};
+}
+
+}  // namespace sansmesh::inline v1::detail

@@ -1,0 +1,328 @@
+#include "sansmesh/mesh/align/align_side.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <utility>
+
+#include "sansmesh/box.h"
+#include "sansmesh/core/median.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
+#include "sansmesh/mesh/repair/place_edges.h"
+#include "sansmesh/mesh_measures.h"
+#include "sansmesh/points/normals.h"
+#include "sansmesh/points/orientation.h"
+#include "sansmesh/points/poisson_discs.h"
+#include "sansmesh/points/sample_faces.h"
+
+namespace sansmesh::inline v1::detail {
+namespace {
+
+constexpr std::size_t kFewest = 20;
+constexpr std::size_t kDense = 60000;  // samples that describe a side
+constexpr std::size_t kMeanPlane = 5;  // of whose neighbours the tangent plane is the mean
+/// A place farther aside than this from the nearest sample, in spacings, is beyond the border.
+constexpr double kAsideOverSpacing = 1.5;
+constexpr std::size_t kOfBlur = 16;
+constexpr double kFirstSpacing = 0.06;
+constexpr double kLeastCrowd = 0.15;
+/// Share of the edges whose faces may contradict each other where the others tell the sides of a mesh.
+constexpr double kFewContradictions = 0.02;
+/// Over the area to the power of 3/2: less is rounding.
+constexpr double kNoVolume = 1e-7;
+
+std::vector<Vec3f> to_floats(const std::vector<Vec3>& x) {
+  std::vector<Vec3f> floats;
+  floats.reserve(x.size());
+  for (const Vec3& p : x) floats.emplace_back(p);
+  return floats;
+}
+
+/// Evenly many of a list of numbers.
+std::vector<std::uint32_t> some_of(std::size_t n, std::size_t most) {
+  const std::size_t count = std::min(n, most);
+  std::vector<std::uint32_t> chosen(count);
+  for (std::size_t k = 0; k < count; ++k) chosen[k] = static_cast<std::uint32_t>(k * n / count);
+  return chosen;
+}
+
+/// Not where faces contradict each other, or all lie back to back: which of them is nearest says nothing then.
+bool tells_sides(const TriangleMesh& mesh) {
+  const MeshTopology t = measure_topology(mesh);
+  if (static_cast<double>(t.inconsistent_edges) > kFewContradictions * static_cast<double>(t.edges)) return false;
+  if (!t.encloses()) return true;
+  double volume = 0, area = 0;
+  const Vec3 base(mesh.vertices[0]);
+  for (const Triangle& face : mesh.triangles) {
+    if (!is_whole(mesh, face)) continue;
+    const Vec3 a = Vec3(mesh.vertices[face[0]]) - base, doubled = doubled_area(mesh.vertices, face);
+    volume += dot(a, doubled) / 6;
+    area += norm(doubled) / 2;
+  }
+  return std::abs(volume) > kNoVolume * std::pow(area, 1.5);
+}
+
+bool has_triangles(const TriangleMesh& mesh) {
+  return std::any_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
+    return is_whole(mesh, t) && squared_norm(doubled_area(mesh.vertices, t)) > 0;
+  });
+}
+
+/// Of the places that count: corners of triangles, or all points.
+std::vector<Vec3> places_that_count(const TriangleMesh& mesh, std::size_t most) {
+  std::vector<std::uint8_t> used(mesh.vertices.size(), mesh.triangles.empty() ? 1 : 0);
+  for (const Triangle& t : mesh.triangles)
+    if (is_whole(mesh, t)) used[t[0]] = used[t[1]] = used[t[2]] = 1;
+  std::vector<Vec3> places;
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i] && is_finite(mesh.vertices[i])) places.emplace_back(mesh.vertices[i]);
+  std::vector<Vec3> some;
+  for (const std::uint32_t i : some_of(places.size(), most)) some.push_back(places[i]);
+  return some;
+}
+
+void append(const PointSet& cloud, OrientedPoints& points) {
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    points.x.emplace_back(cloud.positions[i]);
+    points.n.push_back(normalized(Vec3(cloud.normals[i])));
+  }
+}
+
+/// Points that have hardly any others near belong to no surface.
+void drop_strays(OrientedPoints& points, double radius) {
+  const std::vector<Vec3f> x = to_floats(points.x);
+  const KdTree tree(x);
+  std::vector<std::size_t> crowd(x.size());
+  parallel_for(0, x.size(), 256,
+               [&](std::size_t i) { crowd[i] = tree.count_within(x[i], static_cast<float>(radius)); });
+  std::vector<std::size_t> sorted = crowd;
+  const double least = kLeastCrowd * static_cast<double>(median(sorted));
+  OrientedPoints kept;
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (static_cast<double>(crowd[i]) >= least) kept.x.push_back(points.x[i]), kept.n.push_back(points.n[i]);
+  if (kept.size() >= kFewest) points = std::move(kept);
+}
+
+/// Normals of faces are noisy where vertices are.
+void blur_normals(OrientedPoints& points) {
+  const std::vector<Vec3f> x = to_floats(points.x);
+  const KdTree tree(x);
+  const std::span<const std::uint32_t> order = tree.order();
+  std::vector<Vec3> blurred = points.n;
+  tree.for_each_nearest(kOfBlur, [&](std::uint32_t slot, std::span<const Neighbour> near) {
+    const std::uint32_t i = order[slot];
+    Vec3 sum;
+    for (const Neighbour& one : near)
+      if (const Vec3& n = points.n[order[one.index]]; dot(n, points.n[i]) > 0) sum += n;
+    blurred[i] = normalized(sum);
+  });
+  points.n = std::move(blurred);
+}
+
+}  // namespace
+
+Pose rotation_by_vector(const Vec3& w) {
+  const double angle = norm(w);
+  const Vec3 axis = angle > 0 ? w / angle : Vec3{0, 0, 1};
+  const auto turned = [&](const Vec3& v) {
+    return v * std::cos(angle) + cross(axis, v) * std::sin(angle) + axis * (dot(axis, v) * (1 - std::cos(angle)));
+  };
+  return {turned({1, 0, 0}), turned({0, 1, 0}), turned({0, 0, 1}), 1, {}};
+}
+
+double angle_between(const Pose& a, const Pose& b) {
+  const double trace = dot(a.x, b.x) + dot(a.y, b.y) + dot(a.z, b.z);
+  return std::acos(std::clamp((trace - 1) / 2, -1.0, 1.0));
+}
+
+SampleSurface::SampleSurface(OrientedPoints points, double spacing) : points_(std::move(points)), spacing_(spacing) {
+  const std::vector<Vec3f> x = to_floats(points_.x);
+  tree_ = KdTree(x);
+}
+
+bool SampleSurface::closest(const Vec3& q, double reach, Foot& foot) const {
+  std::array<Neighbour, kMeanPlane> near;
+  const std::size_t found = tree_.nearest(Vec3f(q), near);
+  const double aside = kAsideOverSpacing * spacing_;
+  if (found == 0 || !(static_cast<double>(near[0].squared_distance) <= reach * reach + aside * aside)) return false;
+  const Vec3& nearest = points_.x[near[0].index];
+  const Vec3& first = points_.n[near[0].index];
+  Vec3 point, normal;
+  double count = 0;
+  for (std::size_t k = 0; k < found; ++k) {
+    const Vec3 &p = points_.x[near[k].index], &n = points_.n[near[k].index];
+    const double along = dot(n, first);
+    if (k > 0 && (std::abs(along) < 0.7 || squared_norm(p - nearest) > 9 * spacing_ * spacing_)) continue;
+    point += p;
+    normal += along < 0 ? -n : n;
+    count += 1;
+  }
+  point = point / count;
+  foot.normal = normalized(normal);
+  foot.point = q - foot.normal * dot(q - point, foot.normal);
+  foot.beyond = squared_norm(foot.point - nearest) > aside * aside;
+  return true;
+}
+
+WholeSurface::WholeSurface(const TriangleMesh& mesh, const OrientedPoints& points, double spacing) : mesh_(mesh) {
+  if (mesh.triangles.empty()) {
+    points_ = std::make_unique<SampleSurface>(points, spacing);
+    return;
+  }
+  triangles_ = std::make_unique<ClosestTriangle>(mesh);
+  const PlaceEdges edges = edges_by_place(mesh);
+  border_edge_.assign(mesh.triangles.size(), 0);
+  border_vertex_.assign(mesh.vertices.size(), 0);
+  for (const PlaceEdges::Edge& e : edges.edges) {
+    if (e.count != 1) continue;
+    const std::uint32_t corner = edges.corners[e.first];
+    border_edge_[corner / 3] |= static_cast<std::uint8_t>(1u << corner % 3);
+    border_vertex_[e.a] = border_vertex_[e.b] = 1;
+  }
+  for (std::size_t v = 0; v < border_vertex_.size(); ++v) border_vertex_[v] = border_vertex_[edges.place[v]];
+}
+
+bool WholeSurface::closest(const Vec3& q, double reach, Foot& foot) const {
+  if (points_) return points_->closest(q, reach, foot);
+  ClosestTriangle::Hit limit;
+  limit.squared_distance = reach * reach;
+  const ClosestTriangle::Hit hit = triangles_->closest(q, limit);
+  if (hit.triangle == ClosestTriangle::kNone) return false;
+  const Triangle& t = mesh_.triangles[hit.triangle];
+  foot.point = hit.point;
+  foot.normal = normalized(doubled_area(mesh_.vertices, t));
+  foot.beyond = false;
+  if (const std::uint8_t borders = border_edge_[hit.triangle];
+      borders || border_vertex_[t[0]] || border_vertex_[t[1]] || border_vertex_[t[2]]) {
+    const auto part =
+        locate_on_triangle(q, Vec3(mesh_.vertices[t[0]]), Vec3(mesh_.vertices[t[1]]), Vec3(mesh_.vertices[t[2]])).part;
+    switch (part) {
+      case TrianglePart::a:
+      case TrianglePart::b:
+      case TrianglePart::c:
+        foot.beyond = border_vertex_[t[static_cast<std::size_t>(part)]] != 0;
+        break;
+      case TrianglePart::ab:
+      case TrianglePart::bc:
+      case TrianglePart::ca:
+        foot.beyond = (borders >> (static_cast<unsigned>(part) - static_cast<unsigned>(TrianglePart::ab)) & 1u) != 0;
+        break;
+      case TrianglePart::inside:
+        break;
+    }
+  }
+  return true;
+}
+
+void measure_side(const TriangleMesh& mesh, const char* name, Vec3& origin, double& size) {
+  const std::vector<Vec3> places = places_that_count(mesh, kDense);
+  if (places.size() < (mesh.triangles.empty() ? kFewest : 4))
+    throw DataError(std::string("the ") + name + " surface has too few points to be aligned");
+  Vec3 middle;
+  for (std::size_t k = 0; k < 3; ++k) {
+    std::vector<double> c;
+    c.reserve(places.size());
+    for (const Vec3& p : places) c.push_back(p[k]);
+    middle[k] = median(c);
+  }
+  std::vector<double> far;
+  far.reserve(places.size());
+  for (const Vec3& p : places) far.push_back(norm(p - middle));
+  origin = mesh.origin + middle;
+  const auto at = far.begin() + static_cast<std::ptrdiff_t>(far.size() * 3 / 4);
+  std::nth_element(far.begin(), at, far.end());
+  size = *at;
+  if (!(size > 0 && std::isfinite(size))) throw DataError(std::string("the ") + name + " surface has no extent");
+}
+
+AlignSide prepare_side(const TriangleMesh& mesh, const Vec3& origin, double unit, std::size_t most, const char* name,
+                       Progress& progress) {
+  AlignSide side;
+  side.origin = origin, side.unit = unit;
+  const Vec3 shift = mesh.origin - origin;
+  const auto own = [&](const Vec3f& p) { return (Vec3(p) + shift) / unit; };
+  side.is_mesh = has_triangles(mesh);
+  side.has_sides = side.is_mesh ? tells_sides(mesh) : !mesh.normals.empty();
+  if (side.is_mesh) {
+    side.mesh.vertices.reserve(mesh.vertices.size());
+    for (const Vec3f& p : mesh.vertices) side.mesh.vertices.push_back(Vec3f(own(p)));
+    side.mesh.triangles = mesh.triangles;
+    std::erase_if(side.mesh.triangles, [&](const Triangle& t) { return !is_whole(mesh, t); });
+    for (const FaceSample& s : sample_triangles(side.mesh.vertices, side.mesh.triangles, kDense)) {
+      side.dense.x.push_back(s.position);
+      side.dense.n.emplace_back(s.normal);
+    }
+    blur_normals(side.dense);
+    for (const Triangle& t : side.mesh.triangles) side.area += norm(doubled_area(side.mesh.vertices, t)) / 2;
+  } else {
+    PointSet cloud;
+    std::vector<std::uint32_t> finite;
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+      if (is_finite(mesh.vertices[i])) finite.push_back(static_cast<std::uint32_t>(i));
+    const bool given = !mesh.normals.empty();
+    for (const std::uint32_t k : some_of(finite.size(), given ? finite.size() : std::max(most, kDense))) {
+      cloud.positions.push_back(Vec3f(own(mesh.vertices[finite[k]])));
+      if (given) cloud.normals.push_back(mesh.normals[finite[k]]);
+    }
+    PointSet dense;
+    try {
+      if (!given) estimate_normals(cloud, {}, progress);
+      for (const std::uint32_t i : some_of(cloud.size(), kDense)) {
+        dense.positions.push_back(cloud.positions[i]);
+        dense.normals.push_back(cloud.normals[i]);
+      }
+      // Only the search elsewhere asks for the sides of estimated normals, and of these samples.
+      if (!given) orient_normals(dense, {}, progress);
+    } catch (const DataError&) {
+      throw DataError(std::string("the ") + name + " surface has no normals, and none can be estimated");
+    }
+    append(cloud, side.all);
+    append(dense, side.dense);
+    drop_strays(side.dense, 2 * kFirstSpacing);
+    side.area =
+        static_cast<double>(poisson_discs(side.dense.x, kFirstSpacing).size()) * kFirstSpacing * kFirstSpacing / 0.75;
+  }
+  if (side.dense.size() < kFewest)
+    throw DataError(std::string("the ") + name + " surface has too few points to be aligned");
+  const OrientedPoints even = even_samples(side, kFirstSpacing, 0);
+  for (const Vec3& p : even.x) side.centroid += p / static_cast<double>(even.size());
+  for (const Vec3& p : even.x) side.radius += squared_norm(p - side.centroid);
+  side.radius = std::sqrt(side.radius / static_cast<double>(even.size()));
+  // The samples are finer than the larger of both: of the smaller one there may be one.
+  if (!(side.radius > 0))
+    throw DataError(std::string("the ") + name +
+                    " surface is too small beside the other (`find_scale` finds a factor)");
+  return side;
+}
+
+OrientedPoints even_samples(const AlignSide& side, double spacing, double blur) {
+  OrientedPoints even;
+  const std::vector<std::uint32_t> chosen = poisson_discs(side.dense.x, spacing);
+  even.x.resize(chosen.size()), even.n.resize(chosen.size());
+  std::vector<Vec3f> x;
+  KdTree tree;
+  if (blur > 0) {
+    x = to_floats(side.dense.x);
+    tree = KdTree(x);
+  }
+  parallel_ranges(0, chosen.size(), 64, [&](std::size_t first, std::size_t last) {
+    std::vector<Neighbour> near;
+    for (std::size_t i = first; i < last; ++i) {
+      const std::uint32_t s = chosen[i];
+      even.x[i] = side.dense.x[s], even.n[i] = side.dense.n[s];
+      if (!(blur > 0)) continue;
+      tree.within(x[s], static_cast<float>(blur), near);
+      Vec3 sum;
+      for (const Neighbour& one : near) {
+        const Vec3& n = side.dense.n[one.index];
+        if (dot(n, even.n[i]) > 0) sum += n;
+      }
+      if (squared_norm(sum) > 0) even.n[i] = normalized(sum);
+    }
+  });
+  return even;
+}
+
+}  // namespace sansmesh::inline v1::detail

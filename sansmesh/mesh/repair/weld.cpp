@@ -1,0 +1,120 @@
+#include "sansmesh/mesh/repair/weld.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/mesh/mesh_vertices.h"
+#include "sansmesh/mesh/repair/same_places.h"
+#include "sansmesh/mesh/vertex_corners.h"
+#include "sansmesh/points/close_points.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+constexpr std::size_t kWeldChunk = 8192;
+
+/// Normals and colours of the vertices that are left, `group` says who becomes which of them.
+void mix_directions_and_colors(TriangleMesh& mesh, const std::vector<std::uint32_t>& group, std::size_t groups) {
+  if (!mesh.normals.empty()) {
+    std::vector<Vec3> sums(groups);
+    std::vector<std::uint32_t> counts(groups);
+    for (std::size_t v = 0; v < group.size(); ++v) sums[group[v]] += Vec3(mesh.normals[v]), ++counts[group[v]];
+    mesh.normals.resize(groups);
+    for (std::size_t g = 0; g < groups; ++g) {
+      if (counts[g] == 1)
+        mesh.normals[g] = Vec3f(sums[g]);  // to the bit
+      else                                 // what cancels out but for rounding has no direction
+        mesh.normals[g] = norm(sums[g]) > 1e-3 ? Vec3f(normalized(sums[g])) : Vec3f{};
+    }
+  }
+  if (!mesh.colors.empty()) {
+    std::vector<std::array<std::uint32_t, 4>> sums(groups);
+    for (std::size_t v = 0; v < group.size(); ++v) {
+      auto& sum = sums[group[v]];
+      for (std::size_t k = 0; k < 3; ++k) sum[k] += mesh.colors[v][k];
+      ++sum[3];
+    }
+    mesh.colors.resize(groups);
+    for (std::size_t g = 0; g < groups; ++g)
+      for (std::size_t k = 0; k < 3; ++k)
+        mesh.colors[g][k] = static_cast<std::uint8_t>((sums[g][k] + sums[g][3] / 2) / sums[g][3]);
+  }
+}
+
+/// As MeshTopology::nonmanifold_edges has them.
+std::size_t edges_of_three_or_more(const TriangleMesh& mesh) {
+  const std::size_t n = mesh.vertices.size();
+  std::vector<Triangle> triangles;
+  triangles.reserve(mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles)
+    if (t[0] < n && t[1] < n && t[2] < n && t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
+  const VertexCorners corners(triangles, n);
+  return parallel_reduce(
+      n, kWeldChunk, std::size_t{0},
+      [&](std::size_t first, std::size_t last) {
+        std::size_t count = 0;
+        std::vector<std::uint32_t> above;  // the other ends, for each triangle, of edges whose lower end is v
+        for (std::size_t v = first; v < last; ++v) {
+          above.clear();
+          for (std::uint32_t c = corners.first[v]; c < corners.first[v + 1]; ++c)
+            for (const std::uint32_t w : triangles[corners.corner[c] / 3])
+              if (w > v) above.push_back(w);
+          std::sort(above.begin(), above.end());
+          for (std::size_t i = 0; i + 2 < above.size(); ++i)
+            count += above[i] == above[i + 2] && (i == 0 || above[i - 1] != above[i]);
+        }
+        return count;
+      },
+      std::plus<>());
+}
+
+}  // namespace
+
+WeldReport weld_vertices(TriangleMesh& mesh, double distance) {
+  const std::size_t n = mesh.vertices.size();
+  const std::vector<std::uint32_t> first =
+      distance == 0 ? first_at_place(mesh.vertices) : close_representatives(mesh.vertices, distance);
+  std::vector<std::uint32_t> group(n);
+  std::vector<std::uint32_t> kept;
+  for (std::uint32_t v = 0; v < n; ++v) {
+    if (first[v] == v) {
+      group[v] = static_cast<std::uint32_t>(kept.size());
+      kept.push_back(v);
+    } else {
+      group[v] = group[first[v]];  // which stands before it
+    }
+  }
+  WeldReport report;
+  report.vertices = n - kept.size();
+  if (report.vertices == 0) return report;
+  const std::size_t before = edges_of_three_or_more(mesh);
+  if (!mesh.attributes.empty()) {
+    const std::vector<double> weight(n, 1);
+    mesh.attributes = mesh.attributes.means(group, weight, kept.size());
+  }
+  mix_directions_and_colors(mesh, group, kept.size());
+  for (std::size_t g = 0; g < kept.size(); ++g) mesh.vertices[g] = mesh.vertices[kept[g]];
+  mesh.vertices.resize(kept.size());
+  std::vector<std::uint32_t> left;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    const Triangle& old = mesh.triangles[i];
+    const Triangle t{group[old[0]], group[old[1]], group[old[2]]};
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+    mesh.triangles[left.size()] = t;
+    left.push_back(static_cast<std::uint32_t>(i));
+  }
+  report.triangles = mesh.triangles.size() - left.size();
+  if (report.triangles > 0 && !mesh.triangle_attributes.empty())
+    mesh.triangle_attributes = mesh.triangle_attributes.taken(left);
+  mesh.triangles.resize(left.size());
+  const std::size_t after = edges_of_three_or_more(mesh);
+  report.nonmanifold_edges = after > before ? after - before : 0;
+  return report;
+}
+
+}  // namespace sansmesh::inline v1

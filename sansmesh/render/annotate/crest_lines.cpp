@@ -1,0 +1,181 @@
+#include "sansmesh/render/annotate/crest_lines.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "sansmesh/core/index_in.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/field/curvature_field.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+/// Pixels to each side of a line that must be lower: enough for differences above rounding, few enough for fine lines.
+constexpr float kCrestReach = 3;
+/// A crest's fall over that distance, over its height: what is flatter is a cylinder's noise.
+constexpr float kLeastFall = 0.006f;
+/// From the threshold to so many times it, lines become full.
+constexpr float kFullStrength = 1.7f;
+/// Over the other principal curvature's size: at less there is no direction to speak of.
+constexpr float kOneSided = 1.15f;
+/// Suggestive contours: the cosine's valley is so deep at least, and the cosine itself so far from the silhouette's
+/// and the front's.
+constexpr float kLeastDip = 0.012f, kLeastFacing = 0.08f, kMostFacing = 0.65f;
+/// Neighbouring pixels whose tangent planes pass each other by more than so many distances of them are not of one
+/// sheet.
+constexpr float kTangentGap = 3;
+
+struct Texel {
+  bool hit = false;
+  float distance = 0, facing = 0;
+  Vec3f place, normal;
+  SurfaceBend bend;
+};
+
+class CrestInk {
+ public:
+  CrestInk(const PictureScene& scene, const Camera& camera, const PictureFrame& frame, const RenderOptions& options)
+      : camera_(camera),
+        options_(options),
+        step_(2 * camera.half_height / static_cast<float>(options.view.height)),
+        map_(options.view.width, options.view.height) {
+    parallel_for(0, static_cast<std::size_t>(options.view.height), 4,
+                 [&](std::size_t row) { look(scene, frame, static_cast<int>(row)); });
+  }
+
+  float at(int x, int y) const {
+    const Texel& here = map_.at(x, y);
+    if (!here.hit) return 0;
+    float ink = suggestive(x, y, here);
+    const SurfaceBend& b = here.bend;
+    if (!b.defined) return ink;
+    if (b.k1 > kOneSided * std::abs(b.k2))
+      ink = std::max(ink, crest(x, y, here, b.k1, b.direction1, [](const Texel& t) { return t.bend.k1; }));
+    if (-b.k2 > kOneSided * std::abs(b.k1))
+      ink = std::max(ink, crest(x, y, here, -b.k2, b.direction2, [](const Texel& t) { return -t.bend.k2; }));
+    return ink;
+  }
+
+ private:
+  void look(const PictureScene& scene, const PictureFrame& frame, int y) {
+    CameraRays rays(camera_);
+    for (int x = 0; x < map_.width; ++x)
+      rays.add((2 * static_cast<float>(x) + 1) / static_cast<float>(map_.width) - 1,
+               1 - (2 * static_cast<float>(y) + 1) / static_cast<float>(map_.height));
+    std::vector<std::optional<SurfacePoint>> points(rays.size());
+    const EyeRays eye = rays.rays();
+    scene.closest(eye, points);
+    std::vector<Vec3> places;
+    std::vector<Vec3f> normals;
+    std::vector<int> columns;
+    for (int x = 0; x < map_.width; ++x) {
+      const auto i = static_cast<std::size_t>(x);
+      if (!points[i] || points[i]->cover < 0.5f) continue;
+      Texel& t = map_.at(x, y);
+      t = {true,
+           points[i]->distance,
+           -dot(points[i]->normal, eye.directions[i]),
+           eye.at(i, points[i]->distance),
+           points[i]->normal,
+           {}};
+      places.push_back(Vec3(t.place) * frame.size + frame.center);
+      normals.push_back(t.normal);
+      columns.push_back(x);
+    }
+    if (options_.look.curvature == nullptr || places.empty()) return;
+    std::vector<SurfaceBend> bends(places.size());
+    options_.look.curvature->evaluate(places, normals, bends);
+    const auto size = static_cast<float>(frame.size);
+    for (std::size_t k = 0; k < bends.size(); ++k) {
+      SurfaceBend& b = map_.at(columns[k], y).bend;
+      b = bends[k];
+      b.k1 *= size, b.k2 *= size;  // over the picture's diagonal
+    }
+  }
+
+  /// Between pixels; nothing where one of the four is of another sheet.
+  template <class Value>
+  std::optional<float> between(const Texel& here, float x, float y, const Value& value) const {
+    const float left = std::floor(x), top = std::floor(y);
+    const int u = index_in<int>(left, -1, map_.width), v = index_in<int>(top, -1, map_.height);
+    if (u < 0 || v < 0 || u + 1 >= map_.width || v + 1 >= map_.height) return std::nullopt;
+    const float fx = x - left, fy = y - top, apart = kTangentGap * kCrestReach * footprint(here);
+    float sum = 0;
+    for (int k = 0; k < 4; ++k) {
+      const Texel& t = map_.at(u + k % 2, v + k / 2);
+      if (!t.hit) return std::nullopt;
+      const Vec3f d = t.place - here.place;
+      if (std::min(std::abs(dot(d, here.normal)), std::abs(dot(d, t.normal))) > apart) return std::nullopt;
+      sum += (k % 2 ? fx : 1 - fx) * (k / 2 ? fy : 1 - fy) * value(t);
+    }
+    return sum;
+  }
+
+  float footprint(const Texel& t) const { return step_ * (camera_.parallel ? 1 : t.distance); }
+
+  /// Where the value is most along a direction of the picture (in pixels, y down), as seen from a pixel.
+  struct Top {
+    float away, fall;  // pixels along the direction; mean fall to both sides
+  };
+  template <class Value>
+  std::optional<Top> top(int x, int y, const Texel& here, float dx, float dy, const Value& value) const {
+    const float length = std::hypot(dx, dy);
+    if (!(length > 0)) return std::nullopt;
+    const float sx = kCrestReach * dx / length, sy = kCrestReach * dy / length;
+    const auto px = static_cast<float>(x), py = static_cast<float>(y);
+    const std::optional<float> before = between(here, px - sx, py - sy, value),
+                               after = between(here, px + sx, py + sy, value);
+    if (!before || !after) return std::nullopt;
+    const float fall = value(here) - 0.5f * (*before + *after);
+    if (!(fall > 0)) return std::nullopt;
+    return Top{kCrestReach * 0.25f * (*after - *before) / fall, fall};
+  }
+
+  float line(float away) const {
+    return std::clamp(0.5f * static_cast<float>(options_.look.line_width) + 0.5f - std::abs(away), 0.0f, 1.0f);
+  }
+
+  template <class Value>
+  float crest(int x, int y, const Texel& here, float height, const Vec3f& along, const Value& value) const {
+    const auto least = static_cast<float>(options_.look.line_strength);
+    const float strength = std::clamp((height / least - 1) / (kFullStrength - 1), 0.0f, 1.0f);
+    if (!(strength > 0)) return 0;
+    // How the direction is seen: by a short way along it.
+    const float ahead = footprint(here);
+    const PicturePlace from = camera_.seen(here.place), to = camera_.seen(here.place + ahead * along);
+    const float dx = (to.x - from.x) * static_cast<float>(map_.width),
+                dy = (from.y - to.y) * static_cast<float>(map_.height);
+    const auto found = top(x, y, here, dx, dy, [&](const Texel& t) { return t.bend.defined ? value(t) : 0.0f; });
+    if (!found || found->fall < kLeastFall * height) return 0;
+    return strength * line(found->away);
+  }
+
+  float suggestive(int x, int y, const Texel& here) const {
+    if (here.facing < kLeastFacing || here.facing > kMostFacing) return 0;
+    const float dx = dot(here.normal, camera_.right), dy = -dot(here.normal, camera_.up);
+    const auto found = top(x, y, here, dx, dy, [](const Texel& t) { return -t.facing; });
+    if (!found || found->fall < kLeastDip) return 0;
+    return std::min(1.0f, found->fall / kLeastDip - 1) * line(found->away);
+  }
+
+  const Camera& camera_;
+  const RenderOptions& options_;
+  float step_;  // of a pixel at distance 1, or of parallel rays at any
+  PixelMap<Texel> map_;
+};
+
+}  // namespace
+
+PixelMap<float> crest_ink(const PictureScene& scene, const Camera& camera, const PictureFrame& frame,
+                          const RenderOptions& options) {
+  const CrestInk crests(scene, camera, frame, options);
+  PixelMap<float> ink(options.view.width, options.view.height);
+  parallel_for(0, static_cast<std::size_t>(options.view.height), 4, [&](std::size_t y) {
+    for (int x = 0; x < options.view.width; ++x) ink.at(x, static_cast<int>(y)) = crests.at(x, static_cast<int>(y));
+  });
+  return ink;
+}
+
+}  // namespace sansmesh::inline v1

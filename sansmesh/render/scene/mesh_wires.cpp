@@ -1,0 +1,102 @@
+#include "sansmesh/render/scene/mesh_wires.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+namespace sansmesh::inline v1 {
+namespace {
+
+constexpr std::uint32_t kNoOther = std::numeric_limits<std::uint32_t>::max();
+
+/// Of each vertex the first one at the same place: seams are no borders.
+std::vector<std::uint32_t> first_at_place(const std::vector<Vec3f>& vertices) {
+  std::vector<std::uint32_t> order(vertices.size()), first(vertices.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto key = [&](std::uint32_t v) { return std::tuple(vertices[v].x, vertices[v].y, vertices[v].z, v); };
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+  for (std::size_t i = 0; i < order.size(); ++i)
+    first[order[i]] = i > 0 && vertices[order[i]] == vertices[order[i - 1]] ? first[order[i - 1]] : order[i];
+  return first;
+}
+
+struct WireEdge {
+  std::uint32_t a, b, triangle, corner;
+  bool operator<(const WireEdge& o) const {
+    return std::tie(a, b, triangle, corner) < std::tie(o.a, o.b, o.triangle, o.corner);
+  }
+};
+
+}  // namespace
+
+MeshWires::MeshWires(const TriangleMesh& mesh, const Camera& camera, int height, int samples, double width)
+    : mesh_(&mesh),
+      camera_(camera),
+      pixel_(2 * camera.half_height / static_cast<float>(height)),
+      half_(static_cast<float>(0.5 * width)),
+      sharpness_(static_cast<float>(samples)),
+      others_(mesh.triangles.size(), {kNoOther, kNoOther, kNoOther}) {
+  const std::vector<std::uint32_t> place = first_at_place(mesh.vertices);
+  std::vector<WireEdge> edges;
+  edges.reserve(3 * mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t a = place[mesh.triangles[t][(k + 1) % 3]], b = place[mesh.triangles[t][(k + 2) % 3]];
+      edges.push_back({std::min(a, b), std::max(a, b), t, k});
+    }
+  std::sort(edges.begin(), edges.end());
+  // Where more than two triangles meet, their lines are drawn in full.
+  for (std::size_t i = 0; i < edges.size();) {
+    std::size_t end = i + 1;
+    while (end < edges.size() && edges[end].a == edges[i].a && edges[end].b == edges[i].b) ++end;
+    if (end == i + 2) {
+      others_[edges[i].triangle][edges[i].corner] = edges[i + 1].triangle;
+      others_[edges[i + 1].triangle][edges[i + 1].corner] = edges[i].triangle;
+    }
+    i = end;
+  }
+}
+
+Vec3f MeshWires::normal(std::uint32_t triangle) const {
+  const Triangle& t = mesh_->triangles[triangle];
+  const std::vector<Vec3f>& v = mesh_->vertices;
+  return cross(v[t[1]] - v[t[0]], v[t[2]] - v[t[0]]);
+}
+
+float MeshWires::cover(const RayHit& hit, const Vec3f& origin, const Vec3f& direction) const {
+  const Triangle& t = mesh_->triangles[hit.primitive];
+  const Vec3f corners[3] = {mesh_->vertices[t[0]], mesh_->vertices[t[1]], mesh_->vertices[t[2]]};
+  const Vec3f n = normal(hit.primitive);
+  const float area = squared_norm(n);  // four times its square
+  const float ahead = -dot(direction, camera_.backward), facing = dot(n, direction);
+  if (!(area > 0) || !(ahead > 0) || facing == 0) return 0;
+  // How the place on the triangle's plane moves with the ray, a pixel to the right and a pixel up.
+  const float step = pixel_ * camera_.shrink(hit.distance * ahead);
+  const auto moved = [&](const Vec3f& axis) { return step * (axis - direction * (dot(n, axis) / facing)); };
+  const Vec3f right = moved(camera_.right), up = moved(camera_.up);
+  const float weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
+  const Vec3f at = origin + hit.distance * direction;
+  float most = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    // The weight of a corner falls to 0 at the edge opposite to it.
+    const Vec3f slope = cross(n, corners[(k + 2) % 3] - corners[(k + 1) % 3]);
+    const float a_pixel = std::hypot(dot(slope, right), dot(slope, up)) / area;
+    if (!(a_pixel > 0)) continue;
+    const float pixels = std::max(0.0f, weights[k]) / a_pixel;
+    if (pixels > 2 * half_ + 1) continue;
+    const std::uint32_t other = others_[hit.primitive][k];
+    bool shared = other != kNoOther;
+    if (shared) {
+      // Turned as this one, and seen from the same side.
+      const Vec3f ray = camera_.parallel ? direction : at - origin;
+      shared = (dot(normal(other), ray) > 0) == (facing > 0);
+    }
+    const float reach = shared ? half_ : 2 * half_;
+    most = std::max(most, std::clamp((reach - pixels) * sharpness_ + 0.5f, 0.0f, 1.0f));
+  }
+  return most;
+}
+
+}  // namespace sansmesh::inline v1

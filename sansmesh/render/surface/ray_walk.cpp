@@ -1,0 +1,257 @@
+#include "sansmesh/render/surface/ray_walk.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sansmesh::inline v1 {
+namespace {
+
+constexpr int kAims = 8;                // jumps to where the surface should be, a ball
+constexpr int kRimSteps = 3;            // bisections towards the rim of the domain
+constexpr int kQuickRounds = 5;         // in a bracket, before it is halved
+constexpr int kMostEvaluations = 5000;  // no ray needs them; no field may hang us
+constexpr double kOutsideStep = 0.25;   // of the ball's radius, at least
+constexpr double kAimReach = 3;         // largest steps that a jump may be long,
+constexpr double kAimSlant = 4;         // and distances to the surface
+constexpr double kBeyond = 4;           // radii: values outside of the domain beyond that are no distances
+constexpr double kTrust = 1.2;          // no surface is nearer than the field's value over this
+
+bool opposite(double a, double b) { return (a < 0) != (b < 0); }
+
+}  // namespace
+
+void RayWalk::finish(bool hit) {
+  hit_ = hit;
+  want_ = Want::nothing;
+}
+
+void RayWalk::begin(const BallSegment& segment) {
+  if (!segment.found || !(segment.entry < far_)) return finish(false);
+  at_start_ = !walking_ && segment.entry <= end_;
+  walking_ = true;
+  radius_ = segment.radius;
+  // Just inside: the domain of the field may be the very same balls.
+  const double margin = 0.5 * BallSegments::slack(segment.entry, segment.radius);
+  at_ = at_start_ ? segment.entry : segment.entry + margin;
+  end_ = std::min(far_, segment.exit - margin);
+  known_ = rim_ = aims_ = 0;
+  from_outside_ = leaving_ = false;
+  phase_ = Phase::march;
+  residual_ = 0;
+  want_ = Want::root;
+}
+
+void RayWalk::leave() { begin(following_); }
+
+void RayWalk::enter(const BallSegment& segment, const WalkRules& rules) {
+  if (!walking_) return begin(segment);
+  const double gap = BallSegments::slack(static_cast<float>(end_), static_cast<float>(radius_));
+  if (!segment.found || segment.entry > end_ + 2 * gap) return stop_at(end_, rules, segment);
+  end_ = std::max(end_ + 0.1 * gap, std::min(far_, segment.exit - 0.5 * gap));
+  radius_ = segment.radius;
+  go_to(next_, rules, next_want_);
+}
+
+/// The last sample before a gap, unless the surface is too far away for it to matter.
+void RayWalk::stop_at(double t, const WalkRules& rules, const BallSegment& following) {
+  following_ = following;
+  const double left = t - low_.t;
+  if (known_ == 0 || left < rules.tolerance * radius_ || std::abs(low_.value) > kTrust * left) return leave();
+  leaving_ = true;
+  at_ = t;
+  want_ = Want::value;
+}
+
+void RayWalk::go_to(double t, const WalkRules& rules, Want want) {
+  if (t <= end_) {
+    at_ = t;
+    want_ = want;
+  } else if (end_ >= far_) {
+    stop_at(far_, rules, {});
+  } else {
+    next_ = t;
+    next_want_ = want;
+    want_ = Want::segment;
+  }
+}
+
+void RayWalk::take(const WalkSample& sample, const WalkRules& rules) {
+  if (++evaluations_ > kMostEvaluations) return finish(false);
+  const bool start = at_start_;
+  at_start_ = false;
+  if (!sample.inside || !std::isfinite(sample.value)) {
+    // No crossing counts across a hole.
+    if (phase_ != Phase::march) return go_on_from(high_, rules);
+    return step_outside(sample, rules);
+  }
+  if (!start && accept(sample, rules)) {
+    // At grazing angles the root that a foot suggests is far from where the foot agrees.
+    if (std::abs(sample.root) <= 0.05 * radius_ && at_ + sample.root <= end_) at_ += sample.root;
+    normal_ = sample.normal;
+    return finish(true);
+  }
+  residual_ = sample.residual;
+  if (phase_ == Phase::bracket) return narrow(sample, rules);
+  const Place now{at_, sample.value};
+  if (phase_ == Phase::dip) {
+    const Place& left = now.t > low_.t ? low_ : before_;
+    if (!opposite(now.value, left.value)) return go_on_from(high_, rules);
+    low_ = left;
+    high_ = now;
+    rounds_ = 0;
+    phase_ = Phase::bracket;
+    return close_in(sample, rules);
+  }
+  if (from_outside_) {
+    // Is the surface between the rim of the domain and here?
+    const bool other_side = std::abs(outside_value_) > kBeyond * radius_ || opposite(outside_value_, now.value);
+    if (rim_ < kRimSteps && other_side && std::abs(now.value) < now.t - outside_) {
+      ++rim_;
+      inside_again_ = now.t;
+      at_ = 0.5 * (outside_ + now.t);
+      want_ = Want::value;
+      return;
+    }
+    from_outside_ = false;
+    rim_ = 0;
+  }
+  if (known_ > 0 && opposite(now.value, low_.value)) {
+    high_ = now;
+    rounds_ = 0;
+    phase_ = Phase::bracket;
+    return close_in(sample, rules);
+  }
+  if (known_ > 1 && look_into_dip(now, rules)) return;
+  if (known_ > 0) before_ = low_;
+  low_ = now;
+  known_ = std::min(known_ + 1, 2);
+  if (leaving_) return leave();
+  march_on(sample, rules);
+}
+
+/// Whether the sample shows that the surface is here.
+bool RayWalk::accept(const WalkSample& sample, const WalkRules& rules) const {
+  const double tolerance = rules.tolerance * radius_;
+  if (rules.feet) {
+    // Each jump leaves a share of the last residual: so will the next one, which need not be asked.
+    if (sample.residual <= tolerance) return true;
+    const double share = std::max(0.1, sample.residual / residual_);
+    return sample.residual * share <= 0.5 * tolerance && std::abs(sample.root) <= 40 * tolerance;
+  }
+  if (!(std::abs(sample.root) <= radius_)) return false;
+  const double root = at_ + sample.root;
+  if (root > end_) return false;
+  if (known_ > 0 && !(root > low_.t)) return false;
+  if (phase_ == Phase::bracket ? !(root < high_.t) : known_ == 0) return false;
+  // Newton's step from here lands within the square of its length, over the radius of curvature.
+  return std::abs(sample.root) <= std::max(tolerance, 0.3 * std::sqrt(rules.tolerance) * radius_ * sample.slant) &&
+         sample.slant > 0.02;
+}
+
+void RayWalk::march_on(const WalkSample& sample, const WalkRules& rules) {
+  // Fields that flatten out are farther from zero than their value.
+  const double distance = std::abs(sample.value) / std::clamp(sample.steepness, 0.4, 1.0);
+  const double step = std::clamp(distance, rules.smallest_step * radius_, rules.largest_step * radius_);
+  const double root = sample.root;
+  const double reach = std::max(step, std::min(kAimReach * rules.largest_step * radius_, kAimSlant * distance));
+  if (aims_ < kAims && std::abs(root) <= reach) {
+    if (root > 0) {
+      ++aims_;
+      return go_to(low_.t + root, rules, Want::root);
+    }
+    if (rules.feet && known_ > 1 && low_.t + root > before_.t) {  // have we jumped over it?
+      ++aims_;
+      high_ = low_;
+      at_ = low_.t + root;
+      low_ = before_;
+      phase_ = Phase::dip;
+      want_ = Want::value;
+      return;
+    }
+  }
+  residual_ = 0;
+  go_to(low_.t + step, rules, Want::root);
+}
+
+void RayWalk::step_outside(const WalkSample& sample, const WalkRules& rules) {
+  if (leaving_) return leave();
+  if (known_ > 0 && rim_ < kRimSteps && std::abs(low_.value) < at_ - low_.t) {
+    ++rim_;
+    at_ = 0.5 * (low_.t + at_);
+    want_ = Want::value;
+    return;
+  }
+  // What a field says beyond its domain may be worth little, but for how far to go.
+  const double value = std::abs(sample.value), least = kOutsideStep * radius_;
+  const double step = value < kBeyond * radius_ ? std::clamp(0.7 * value, least, radius_) : least;
+  const double ahead = from_outside_ && inside_again_ > at_ ? inside_again_ : at_ + step;
+  if (known_ > 0) rim_ = 0;
+  known_ = 0;
+  from_outside_ = true;
+  outside_ = at_;
+  outside_value_ = std::isfinite(sample.value) ? sample.value : std::numeric_limits<double>::max();
+  inside_again_ = 0;
+  residual_ = 0;
+  go_to(ahead, rules, Want::root);
+}
+
+/// Three samples on the same side, the middle one nearest: would a parabola through them reach the surface?
+bool RayWalk::look_into_dip(const Place& now, const WalkRules& rules) {
+  const double a = std::abs(before_.value), b = std::abs(low_.value), c = std::abs(now.value);
+  const double left = low_.t - before_.t, right = now.t - low_.t;
+  const double fall = (b - a) / left, rise = (c - b) / right, bend = (rise - fall) / (left + right);
+  if (!(bend > 0)) return false;
+  // |value| = a + fall s + bend s (s − left), s from before_.
+  const double s = 0.5 * (left - fall / bend);
+  if (!(s > 0 && s < left + right) || a + s * (fall + bend * (s - left)) > rules.tolerance * radius_) return false;
+  const double tolerance = rules.tolerance * radius_;
+  if (std::abs(s - left) < tolerance || s < tolerance || left + right - s < tolerance) return false;
+  high_ = now;
+  at_ = before_.t + s;
+  phase_ = Phase::dip;
+  want_ = Want::value;
+  return true;
+}
+
+/// As if the sample there had just been taken and found nothing.
+void RayWalk::go_on_from(const Place& place, const WalkRules& rules) {
+  phase_ = Phase::march;
+  low_ = place;
+  known_ = 1;
+  if (leaving_) return leave();
+  const double step = std::clamp(std::abs(place.value), rules.smallest_step * radius_, rules.largest_step * radius_);
+  go_to(place.t + step, rules, Want::root);
+}
+
+/// The sample is one end of the bracket [low_, high_]: where to look next.
+void RayWalk::close_in(const WalkSample& sample, const WalkRules& rules) {
+  const double width = high_.t - low_.t, guard = 0.25 * std::min(rules.tolerance * radius_, width);
+  const double middle = 0.5 * (low_.t + high_.t);
+  const double aimed = at_ + sample.root;
+  const bool quick = ++rounds_ <= kQuickRounds, trusted = quick && aimed > low_.t && aimed < high_.t;
+  if (rounds_ > 80 || !(middle > low_.t && middle < high_.t)) return go_on_from(high_, rules);
+  const double t = trusted ? aimed : quick ? low_.t + width * low_.value / (low_.value - high_.value) : middle;
+  if (!trusted) residual_ = 0;
+  at_ = std::clamp(t, low_.t + guard, high_.t - guard);
+  want_ = Want::root;
+}
+
+void RayWalk::narrow(const WalkSample& sample, const WalkRules& rules) {
+  // The end that stays twice pulls less (Illinois): the next line through both ends lands beyond the root.
+  const bool beyond = opposite(sample.value, low_.value);
+  if (rounds_ > 1 && beyond == beyond_) (beyond ? low_ : high_).value *= 0.5;
+  (beyond ? high_ : low_) = {at_, sample.value};
+  beyond_ = beyond;
+  const double tolerance = rules.tolerance * radius_;
+  if (high_.t - low_.t <= tolerance) {
+    // A long jump from one side to the other without a zero is no surface, nor is a place that the projection moves on.
+    const double off = rules.feet ? sample.residual : std::abs(sample.value);
+    if (off > std::max(10 * tolerance, rules.feet ? 0 : rules.jump * radius_)) return go_on_from(high_, rules);
+    normal_ = sample.normal;
+    return finish(true);
+  }
+  close_in(sample, rules);
+}
+
+}  // namespace sansmesh::inline v1

@@ -1,0 +1,98 @@
+// How one ray looks for a surface: where to evaluate next, and what the samples so far mean. Knows no field.
+#pragma once
+
+#include <limits>
+
+#include "sansmesh/render/surface/ball_segments.h"
+#include "sansmesh/vec.h"
+
+namespace sansmesh::inline v1 {
+
+/// What holds for all rays of a caster; shares of the radius of the ball around a place.
+struct WalkRules {
+  double tolerance = 1e-3, smallest_step = 0.1, largest_step = 0.5, jump = 0.01;
+  bool feet = false;  ///< samples come from a projection
+};
+
+/// The surface as seen from one place of the ray.
+struct WalkSample {
+  bool inside = false;  ///< the domain of definition
+  double value = 0;     ///< signed distance, about
+  /// How far along the ray the surface should be, by what is known here; not a number: nothing is.
+  double root = std::numeric_limits<double>::quiet_NaN();
+  double slant = 1;      ///< |cosine| between ray and normal, with `root`
+  double steepness = 1;  ///< length of the gradient, with `root`
+  double residual = 0;   ///< projections: distance to the foot
+  Vec3f normal;
+};
+
+/// The walk along one ray: march from ball to ball; aim where the surface should be by what is known; once the sign has
+/// changed, close in on the root; where the distance falls and rises again, look for a double root in between.
+class RayWalk {
+ public:
+  enum class Want {
+    segment,  ///< the next ball from `end()` on: enter()
+    value,    ///< the field at `at()`: take()
+    root,     ///< the same, with the gradient
+    nothing   ///< done
+  };
+
+  RayWalk() = default;
+  RayWalk(float near, float far) : end_(near), far_(far) {}
+
+  Want want() const { return want_; }
+  double at() const { return at_; }
+  double end() const { return end_; }
+  double far() const { return far_; }
+  bool hit() const { return hit_; }
+  double distance() const { return at_; }  ///< of the hit
+  const Vec3f& normal() const { return normal_; }
+  double radius() const { return radius_; }
+  int evaluations() const { return evaluations_; }
+
+  void enter(const BallSegment& segment, const WalkRules& rules);
+  void take(const WalkSample& sample, const WalkRules& rules);
+
+ private:
+  struct Place {
+    double t = 0, value = 0;
+  };
+  enum class Phase { march, bracket, dip };
+
+  void begin(const BallSegment& segment);
+  void leave();
+  void finish(bool hit);
+  void go_to(double t, const WalkRules& rules, Want want);
+  void stop_at(double t, const WalkRules& rules, const BallSegment& following);
+  void march_on(const WalkSample& sample, const WalkRules& rules);
+  void step_outside(const WalkSample& sample, const WalkRules& rules);
+  bool accept(const WalkSample& sample, const WalkRules& rules) const;
+  bool look_into_dip(const Place& now, const WalkRules& rules);
+  void close_in(const WalkSample& sample, const WalkRules& rules);
+  void narrow(const WalkSample& sample, const WalkRules& rules);
+  void go_on_from(const Place& place, const WalkRules& rules);
+
+  double at_ = 0, end_ = 0, far_ = 0, radius_ = 0;
+  double next_ = 0;  // where to go once the ball behind end_ is known
+  Want want_ = Want::segment, next_want_ = Want::value;
+  Phase phase_ = Phase::march;
+  bool walking_ = false;   // end_ ends a ball that the ray is in
+  bool at_start_ = false;  // the ray starts here, in a ball
+  bool leaving_ = false;   // the last sample before a gap between the balls
+  bool hit_ = false;
+  BallSegment following_;  // behind that gap
+  int known_ = 0;          // how many of low_ and before_ hold, of one stretch inside the domain
+  Place low_, before_;     // the last sample and the one before it
+  Place high_;             // other side of the surface, or where to go on after a look into a dip
+  double residual_ = 0;    // of the sample before, if it aimed at this one; else 0
+  double outside_value_ = 0;
+  double outside_ = 0;       // the last place outside of the domain
+  double inside_again_ = 0;  // a place beyond it that is inside
+  bool from_outside_ = false;
+  bool beyond_ = false;  // the last sample in the bracket
+  int rim_ = 0, aims_ = 0, rounds_ = 0;
+  int evaluations_ = 0;
+  Vec3f normal_;
+};
+
+}  // namespace sansmesh::inline v1

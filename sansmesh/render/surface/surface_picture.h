@@ -1,0 +1,24 @@
+// Pictures of surfaces that were never meshed: lit like those of meshes, and with mirrors and glass.
+#pragma once
+
+#include <span>
+
+#include "sansmesh/field/color_field.h"
+#include "sansmesh/image.h"
+#include "sansmesh/progress.h"
+#include "sansmesh/render/scene/camera.h"
+#include "sansmesh/render/surface/surface_caster.h"
+#include "sansmesh/render_options.h"
+
+namespace sansmesh::inline v1 {
+
+/// The surface seen in perspective, framed by `points` (such as its samples; at least one finite) in the coordinates of
+/// the caster. `colors` may be null: surface_color. Does not depend on the number of threads. Throws DataError where
+/// there is nothing to frame, ArgumentError for bad options.
+Image render_surface(const SurfaceCaster& caster, std::span<const Vec3f> points, const ColorField* colors,
+                     const SurfaceRenderOptions& options, Progress& progress);
+
+/// `camera` in the coordinates of the caster. Throws ArgumentError unless width and height are 1..16384.
+DepthMap surface_depth(const SurfaceCaster& caster, const Camera& camera, int width, int height);
+
+}  // namespace sansmesh::inline v1

@@ -1,0 +1,436 @@
+#include "sansmesh/render/volume/volume_picture.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <utility>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
+#include "sansmesh/render/annotate/picture_notes.h"
+#include "sansmesh/render/scene/color_space.h"
+#include "sansmesh/render/scene/lighting.h"
+#include "sansmesh/render/scene/painter.h"
+#include "sansmesh/render/scene/sample_pattern.h"
+#include "sansmesh/render/volume/baked_volume.h"
+#include "sansmesh/render/volume/transfer_presets.h"
+#include "sansmesh/render/volume/value_histogram.h"
+#include "sansmesh/render/volume/volume_cells.h"
+#include "sansmesh/render/volume/volume_stretches.h"
+#include "sansmesh/render/volume/volume_tracer.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+using LightMap = PixelMap<std::array<float, 4>>;
+
+constexpr int kVolumeTile = 32;
+constexpr std::size_t kFineRays = 1024;  // that are traced together where pixels take several
+constexpr float kContrast = 0.035f;      // between neighbours, from which on they do; about what the eye sees
+constexpr int kCheckEvery = 16;          // pixels in each direction of which one is checked
+constexpr std::size_t kHistogramPoints = 60000;
+
+/// Order of the pixels of a tile in which neighbours are near each other: blocks of 4 × 4.
+std::vector<std::pair<int, int>> tile_pixels(int left, int top, int right, int bottom) {
+  std::vector<std::pair<int, int>> pixels;
+  for (int y = top; y < bottom; y += 4)
+    for (int x = left; x < right; x += 4)
+      for (int v = y; v < std::min(y + 4, bottom); ++v)
+        for (int u = x; u < std::min(x + 4, right); ++u) pixels.emplace_back(u, v);
+  return pixels;
+}
+
+/// The ray through a place in pixels.
+void add_ray(CameraRays& rays, const VolumePictureOptions& options, float x, float y) {
+  rays.add(2 * x / static_cast<float>(options.picture.view.width) - 1,
+           1 - 2 * y / static_cast<float>(options.picture.view.height));
+}
+
+/// With the box that is shown as cuts, of a volume that has this box: where both end at the same place, or the volume
+/// before, there is nothing to cut.
+VolumePictureOptions with_box_cut(VolumePictureOptions options, const Box3& box) {
+  if (!options.picture.view.clip_box) return options;
+  const double same = 1e-6 * box.diagonal();
+  for (std::size_t k = 0; k < 3; ++k) {
+    Vec3 axis{};
+    axis[k] = 1;
+    if (options.picture.view.clip_box->upper[k] < box.upper[k] - same)
+      options.clips.push_back({axis, options.picture.view.clip_box->upper[k]});
+    if (options.picture.view.clip_box->lower[k] > box.lower[k] + same)
+      options.clips.push_back({-axis, -options.picture.view.clip_box->lower[k]});
+  }
+  return options;
+}
+
+/// About as the eye sees it, on a background of middling light.
+Vec3f seen(const std::array<float, 4>& p) {
+  const auto root = [&](float c) { return std::sqrt(std::max(0.0f, c + 0.6f * p[3])); };
+  return {root(p[0]), root(p[1]), root(p[2])};
+}
+
+float difference(const Vec3f& a, const Vec3f& b) {
+  return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
+}
+
+/// What stands behind the volume: a picture of its own.
+Image behind(const VolumePictureOptions& options) {
+  Image image(options.picture.view.width, options.picture.view.height, Rgba{0, 0, 0, 0});
+  if (options.picture.look.behind().kind == Background::Kind::transparent) return image;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const float fx = (static_cast<float>(x) + 0.5f) / static_cast<float>(options.picture.view.width);
+      const float fy = (static_cast<float>(y) + 0.5f) / static_cast<float>(options.picture.view.height);
+      const Vec3f c = srgb_color(background_light(options.picture, fx, fy));
+      image.at(x, y) = {c.x, c.y, c.z, 1};
+    }
+  return image;
+}
+
+/// Light and what it leaves of what is behind it, as a colour with straight alpha.
+Rgba in_front(const std::array<float, 4>& p, const Rgba& back) {
+  const Vec3f light = Vec3f{p[0], p[1], p[2]} + linear_color({back[0], back[1], back[2]}) * (p[3] * back[3]);
+  const float alpha = 1 - p[3] * (1 - back[3]);
+  const Vec3f c = alpha > 0 ? srgb_color(light / alpha) : Vec3f{};
+  return {c.x, c.y, c.z, std::max(0.0f, alpha)};
+}
+
+}  // namespace
+
+class VolumePicture::Work {
+ public:
+  Work(VolumeSubject subject, Progress& progress)
+      : subject_(std::move(subject)),
+        frame_(framed()),
+        cells_(*subject_.field, subject_.opacity, progress),
+        stretches_(*subject_.field, subject_.boundary, frame_) {}
+
+  Camera camera(const VolumePictureOptions& options) const { return picture_camera(outline_, frame_, options.picture); }
+
+  SuggestedTransferFunction transfer(const VolumePictureOptions& options) const {
+    if (options.transfer) return {*options.transfer, {}};
+    const auto of = [&](const ValueHistogram& values) {
+      return options.preset.empty() ? suggest_transfer_function(values, subject_.image)
+                                    : SuggestedTransferFunction{transfer_function_preset(options.preset, values), {}};
+    };
+    SuggestedTransferFunction found = of(histogram());
+    if (subject_.opacity) found.function.opacities = of(opacity_histogram()).function.opacities;
+    return found;
+  }
+
+  LightMap light(const Camera& camera, const VolumePictureOptions& given, Progress& progress,
+                 VolumePictureReport* report, bool check) const {
+    given.validate();
+    const VolumePictureOptions options = with_box_cut(given, box_);
+    const SuggestedTransferFunction chosen = transfer(options);
+    std::vector<std::unique_ptr<PictureScene>> scenes;
+    TracedVolume volume = traced();
+    for (const PictureSurface& surface : subject_.surfaces) {
+      scenes.push_back(surface(frame_, camera));
+      volume.surfaces.push_back(scenes.back().get());
+    }
+    std::vector<std::unique_ptr<ClippedScene>> parts;
+    for (std::size_t k = 0; options.picture.view.clip_box && k < scenes.size(); ++k) {
+      const Box3f box{frame_.to_picture(options.picture.view.clip_box->lower),
+                      frame_.to_picture(options.picture.view.clip_box->upper)};
+      parts.push_back(std::make_unique<ClippedScene>(*scenes[k], box));
+      volume.surfaces[k] = parts.back().get();
+    }
+    const VolumeTracer tracer(volume, camera, chosen.function, options);
+    LightMap map(options.picture.view.width, options.picture.view.height);
+    std::atomic<std::uint64_t> evaluations{0}, rays{0};
+    coarse(tracer, camera, options, map, progress, evaluations, rays);
+    VolumePictureReport own;
+    if (check) check_steps(volume, camera, chosen.function, options, map, own);
+    if (options.picture.quality.samples > 1) fine(tracer, camera, options, map, progress, evaluations, rays);
+    if (report) {
+      own.transfer = chosen.function, own.why = chosen.why;
+      own.notes = notes(options);
+      own.rays = rays, own.evaluations = evaluations;
+      *report = own;
+    }
+    return map;
+  }
+
+  void set_surfaces(std::vector<PictureSurface> surfaces) { subject_.surfaces = std::move(surfaces); }
+  const Box3& box() const { return box_; }
+  const PictureFrame& frame() const { return frame_; }
+  /// Looked for when it is first asked for: where colours are given, nobody does.
+  const ValueHistogram& histogram() const {
+    std::call_once(histogram_once_, [&] { histogram_ = histogram_of(*subject_.field); });
+    return histogram_;
+  }
+
+ private:
+  const ValueHistogram& opacity_histogram() const {
+    std::call_once(opacity_once_, [&] { opacity_histogram_ = histogram_of(*subject_.opacity); });
+    return opacity_histogram_;
+  }
+
+  ValueHistogram histogram_of(const VolumeField& field) const {
+    const TriangleMesh* mesh = subject_.boundary;
+    if (!subject_.places.empty() || !mesh) return value_histogram(field, kHistogramPoints, subject_.places);
+    std::vector<Vec3> vertices;
+    vertices.reserve(mesh->vertices.size());
+    for (const Vec3f& p : mesh->vertices) vertices.push_back(mesh->origin + Vec3(p));
+    return value_histogram(field, kHistogramPoints, vertices);
+  }
+
+  std::vector<std::string> notes(const VolumePictureOptions& options) const {
+    std::vector<std::string> found;
+    for (const IsoSurface& iso : options.isos)
+      if (iso.value < histogram().least || iso.value > histogram().most)
+        found.push_back(
+            fmt::format("the iso-surface of {:g} may be empty: values found in the volume lie between {:g} and {:g}",
+                        iso.value, histogram().least, histogram().most));
+    for (const bool opacity : {false, true}) {
+      const auto* baked = dynamic_cast<const BakedVolume*>(opacity ? subject_.opacity : subject_.field);
+      if (!baked || baked->report().finished) continue;
+      found.push_back(fmt::format(
+          "the baked field{} is coarser than asked for: off by {:.3g} % of its range on average, {:.3g} % "
+          "at most at the points looked at",
+          opacity ? " of the opacities" : "", 100 * baked->report().error_mean, 100 * baked->report().error_most));
+    }
+    return found;
+  }
+
+  TracedVolume traced() const {
+    TracedVolume volume;
+    volume.field = subject_.field, volume.opacity = subject_.opacity, volume.gap = subject_.gap;
+    volume.bounded = subject_.boundary && !subject_.boundary->triangles.empty();
+    volume.stretches = &stretches_, volume.cells = &cells_, volume.frame = frame_;
+    return volume;
+  }
+
+  /// Checks what came in, and finds what frames the picture.
+  PictureFrame framed() {
+    if (!subject_.field) throw ArgumentError("a picture needs a field");
+    if (subject_.field->components() != 1 || (subject_.opacity && subject_.opacity->components() != 1))
+      throw ArgumentError("pictures are made of fields of one component: take a component, or the length");
+    Box3& box = box_;
+    const TriangleMesh* mesh = subject_.boundary;
+    if (mesh && !mesh->triangles.empty()) {
+      for (const Vec3f& p : mesh->vertices) box.extend(mesh->origin + Vec3(p));
+    } else {
+      box = subject_.field->bounds();
+    }
+    if (box.empty() || !is_finite(box.lower) || !is_finite(box.upper) || !(box.diagonal() > 0))
+      throw DataError("nothing to draw: the volume has no extent");
+    const PictureFrame frame{box.center(), box.diagonal()};
+    for (const Vec3& p : subject_.framed)
+      if (is_finite(p)) outline_.push_back(frame.to_picture(p));
+    if (!outline_.empty()) return frame;
+    if (mesh && !mesh->triangles.empty()) {
+      for (const Vec3f& p : mesh->vertices) outline_.push_back(frame.to_picture(mesh->origin + Vec3(p)));
+    } else {
+      for (int c = 0; c < 8; ++c)
+        outline_.push_back(frame.to_picture(
+            {c & 1 ? box.upper.x : box.lower.x, c & 2 ? box.upper.y : box.lower.y, c & 4 ? box.upper.z : box.lower.z}));
+    }
+    return frame;
+  }
+
+  void coarse(const VolumeTracer& tracer, const Camera& camera, const VolumePictureOptions& options, LightMap& map,
+              Progress& progress, std::atomic<std::uint64_t>& evaluations, std::atomic<std::uint64_t>& rays) const {
+    const int across = (map.width + kVolumeTile - 1) / kVolumeTile, down = (map.height + kVolumeTile - 1) / kVolumeTile;
+    const auto tiles = static_cast<std::size_t>(across) * static_cast<std::size_t>(down);
+    progress.begin("rendering", tiles);
+    parallel_for(0, tiles, 1, [&](std::size_t tile) {
+      const int left = static_cast<int>(tile) % across * kVolumeTile,
+                top = static_cast<int>(tile) / across * kVolumeTile;
+      const auto pixels =
+          tile_pixels(left, top, std::min(left + kVolumeTile, map.width), std::min(top + kVolumeTile, map.height));
+      CameraRays going(camera);
+      for (const auto& [x, y] : pixels)
+        add_ray(going, options, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+      std::vector<TracedLight> lights(pixels.size());
+      evaluations += tracer.trace(going.rays(), lights);
+      rays += pixels.size();
+      for (std::size_t i = 0; i < pixels.size(); ++i) {
+        const TracedLight& l = lights[i];
+        map.at(pixels[i].first, pixels[i].second) = {l.light.x, l.light.y, l.light.z, l.left};
+      }
+      progress.advance();
+    });
+    progress.finish();
+  }
+
+  /// Several rays where a pixel differs from a neighbour: there its one ray may tell half of what is to be seen.
+  void fine(const VolumeTracer& tracer, const Camera& camera, const VolumePictureOptions& options, LightMap& map,
+            Progress& progress, std::atomic<std::uint64_t>& evaluations, std::atomic<std::uint64_t>& rays) const {
+    PixelMap<std::uint8_t> wanted(map.width, map.height, 0);
+    for (int y = 0; y < map.height; ++y)
+      for (int x = 0; x < map.width; ++x) {
+        const Vec3f here = seen(map.at(x, y));
+        for (const auto& [u, v] : {std::pair{x + 1, y}, {x, y + 1}}) {
+          if (u >= map.width || v >= map.height) continue;
+          if (difference(here, seen(map.at(u, v))) > kContrast) wanted.at(x, y) = wanted.at(u, v) = 1;
+        }
+      }
+    std::vector<std::pair<int, int>> pixels;
+    for (int y = 0; y < map.height; y += kVolumeTile)
+      for (int x = 0; x < map.width; x += kVolumeTile)
+        for (const auto& [u, v] :
+             tile_pixels(x, y, std::min(x + kVolumeTile, map.width), std::min(y + kVolumeTile, map.height)))
+          if (wanted.at(u, v)) pixels.emplace_back(u, v);
+    const int n = options.picture.quality.samples;
+    const auto each = static_cast<std::size_t>(n * n);
+    const std::size_t chunk = std::max<std::size_t>(1, kFineRays / each), chunks = (pixels.size() + chunk - 1) / chunk;
+    progress.begin("smoothing", std::max<std::size_t>(1, chunks));
+    parallel_for(0, chunks, 1, [&](std::size_t c) {
+      const std::size_t first = c * chunk, last = std::min(first + chunk, pixels.size());
+      CameraRays going(camera);
+      for (std::size_t i = first; i < last; ++i)
+        for (int row = 0; row < n; ++row)
+          for (int column = 0; column < n; ++column)
+            add_ray(going, options,
+                    static_cast<float>(pixels[i].first) + (static_cast<float>(column) + 0.5f) / static_cast<float>(n),
+                    static_cast<float>(pixels[i].second) + (static_cast<float>(row) + 0.5f) / static_cast<float>(n));
+      std::vector<TracedLight> lights(going.size());
+      evaluations += tracer.trace(going.rays(), lights);
+      rays += going.size();
+      for (std::size_t i = first; i < last; ++i) {
+        std::array<float, 4> sum{};
+        for (std::size_t s = 0; s < each; ++s) {
+          const TracedLight& l = lights[(i - first) * each + s];
+          sum[0] += l.light.x, sum[1] += l.light.y, sum[2] += l.light.z, sum[3] += l.left;
+        }
+        for (float& v : sum) v /= static_cast<float>(each);
+        map.at(pixels[i].first, pixels[i].second) = sum;
+      }
+      progress.advance();
+    });
+    progress.finish();
+  }
+
+  void check_steps(const TracedVolume& volume, const Camera& camera, const TransferFunction& transfer,
+                   const VolumePictureOptions& options, const LightMap& map, VolumePictureReport& report) const {
+    VolumePictureOptions halved = options;
+    halved.step = 0.5 * options.step;
+    const VolumeTracer tracer(volume, camera, transfer, halved);
+    CameraRays going(camera);
+    std::vector<std::array<float, 4>> before;
+    for (int y = kCheckEvery / 2; y < map.height; y += kCheckEvery)
+      for (int x = kCheckEvery / 2; x < map.width; x += kCheckEvery) {
+        add_ray(going, options, static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f);
+        before.push_back(map.at(x, y));
+      }
+    if (going.size() == 0) return;
+    std::vector<TracedLight> lights(going.size());
+    tracer.trace(going.rays(), lights);
+    double sum = 0;
+    for (std::size_t i = 0; i < lights.size(); ++i) {
+      // On white, as it would be shown.
+      const auto shown = [](float r, float g, float b, float left) {
+        return srgb_color(Vec3f{std::min(1.0f, r + left), std::min(1.0f, g + left), std::min(1.0f, b + left)});
+      };
+      const Vec3f a = shown(before[i][0], before[i][1], before[i][2], before[i][3]);
+      const Vec3f b = shown(lights[i].light.x, lights[i].light.y, lights[i].light.z, lights[i].left);
+      const double d = 255 * static_cast<double>(difference(a, b));
+      sum += d, report.step_error_most = std::max(report.step_error_most, d);
+    }
+    report.step_error_mean = sum / static_cast<double>(lights.size());
+  }
+
+  VolumeSubject subject_;
+  Box3 box_;                    // of the boundary
+  std::vector<Vec3f> outline_;  // that frames the picture
+  PictureFrame frame_;
+  VolumeCells cells_;
+  VolumeStretches stretches_;
+  mutable std::once_flag histogram_once_, opacity_once_;
+  mutable ValueHistogram histogram_, opacity_histogram_;
+};
+
+VolumePicture::VolumePicture(VolumeSubject subject, Progress& progress) {
+  progress.begin("preparing");
+  work_ = std::make_unique<Work>(std::move(subject), progress);
+  progress.finish();
+}
+VolumePicture::~VolumePicture() = default;
+
+void VolumePicture::set_surfaces(std::vector<PictureSurface> surfaces) { work_->set_surfaces(std::move(surfaces)); }
+const PictureFrame& VolumePicture::frame() const { return work_->frame(); }
+const ValueHistogram& VolumePicture::histogram() const { return work_->histogram(); }
+TransferFunction VolumePicture::transfer(const VolumePictureOptions& options) const {
+  return work_->transfer(options).function;
+}
+Camera VolumePicture::camera(const VolumePictureOptions& options) const {
+  options.validate();
+  return work_->camera(options);
+}
+LightMap VolumePicture::light(const Camera& camera, const VolumePictureOptions& options, Progress& progress,
+                              VolumePictureReport* report) const {
+  return work_->light(camera, options, progress, report, false);
+}
+
+Image VolumePicture::render(const VolumePictureOptions& options, Progress& progress, VolumePictureReport* report,
+                            bool check_steps) const {
+  options.validate();
+  const Camera camera = work_->camera(options);
+  VolumePictureReport own;
+  const LightMap map = work_->light(camera, options, progress, &own, check_steps);
+  Image image = behind(options);
+  const bool axes = options.axes;
+  if (axes) draw_box_edges(image, work_->box(), work_->frame(), camera);
+  const bool dither = options.picture.look.behind().kind == Background::Kind::gradient;
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const auto& p = map.at(x, y);
+      Rgba& color = image.at(x, y);
+      if (p[3] < 1) color = in_front(p, color);
+      if (!dither || p[3] == 0) continue;
+      // In bytes the wide gradient would show steps, so it takes their levels here already, with a little dither.
+      const float threshold = (static_cast<float>(pattern_part(x, y)) + 0.5f) / kParts;
+      for (float& v : color) v = from_byte(to_byte(v, threshold));
+    }
+  if (axes) draw_box_ticks(image, work_->box(), work_->frame(), camera, options.unit);
+  if (options.picture.annotation.scale_bar)
+    draw_scale_bar(image, work_->frame(), camera, options.picture.annotation.input_length,
+                   *options.picture.annotation.scale_bar);
+  if (!options.title.empty()) draw_title(image, options.title);
+  if (options.color_bar) {
+    std::vector<double> marks;
+    marks.reserve(options.isos.size());
+    for (const IsoSurface& iso : options.isos) marks.push_back(iso.value);
+    const Image paper = behind(options);
+    const auto [lower, upper] = own.transfer.range();
+    const bool below = work_->histogram().least<lower, above = work_->histogram().most> upper;
+    const BarEnds ends{below, above};
+    image = beside_value_bar(image, own.transfer, options.color_title, marks, &paper, ends);
+  }
+  if (report) *report = own;
+  return image;
+}
+
+Image render_volume(const VolumeSubject& subject, const VolumePictureOptions& options, Progress& progress,
+                    VolumePictureReport* report) {
+  options.validate();
+  const VolumePicture picture(subject, progress);
+  return picture.render(options, progress, report);
+}
+
+namespace {
+
+constexpr ReportRow kVolumePictureReportRows[] = {
+    reported<[](const VolumePictureReport& r) { return r.transfer.range().first; }>(
+        {.name = "colors.lower", .text = "Value of the first colour", .unit = "unit of the array"}),
+    reported<[](const VolumePictureReport& r) { return r.transfer.range().second; }>(
+        {.name = "colors.upper", .text = "Value of the last colour", .unit = "unit of the array"}),
+    reported<[](const VolumePictureReport& r) { return told_if(!r.why.empty(), r.why); }>(
+        {.name = "why", .text = "Reason for these colours, if they were chosen"}),
+    reported<&VolumePictureReport::rays>({.text = "Rays"}),
+    reported<&VolumePictureReport::evaluations>({.text = "Evaluations for these"}),
+    reported<&VolumePictureReport::notes>({.text = "What may not be as wished"})};
+
+}  // namespace
+
+const ReportSchema& VolumePictureReport::schema() {
+  static constexpr ReportSchema schema{kVolumePictureReportRows};
+  return schema;
+}
+
+}  // namespace sansmesh::inline v1

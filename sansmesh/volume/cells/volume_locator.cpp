@@ -1,0 +1,353 @@
+#include "sansmesh/volume/cells/volume_locator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
+#include "sansmesh/mesh/mesh_closest.h"
+#include "sansmesh/volume/cells/axis_interval.h"
+#include "sansmesh/volume/cells/box_tree.h"
+#include "sansmesh/volume/cells/cell_adjacency.h"
+#include "sansmesh/volume/cells/cell_geometry.h"
+#include "sansmesh/volume/cells/cell_inverse.h"
+#include "sansmesh/volume/cells/familiar_cells.h"
+#include "sansmesh/volume/grid/point_order.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+constexpr double kBeside = 2000;   // tolerances from the volume: 2e-6 of its diagonal
+constexpr double kStrict = 1e-10;  // in parameters: nearer to a face than this is on it
+
+void locate_in_lattice(const Lattice& l, double tolerance, const Vec3& x, VolumePlace& place) {
+  const Vec3 a = is_finite(x) ? l.to_axes(x) : Vec3{l.lower[0], l.lower[1], l.lower[2]};
+  place.inside = is_finite(x);
+  std::size_t cell[3];
+  Vec3 u;
+  for (std::size_t k = 0; k < 3; ++k) {
+    place.inside = place.inside && a[k] >= l.lower[k] - tolerance && a[k] <= l.upper[k] + tolerance;
+    const double c = std::clamp(a[k], l.lower[k], l.upper[k]);
+    cell[k] = interval_of(l.axes[k], l.uniform, c);
+    const double from = l.axes[k][cell[k]], to = l.axes[k][cell[k] + 1];
+    u[k] = (c - from) / (to - from);
+  }
+  const std::size_t nx = l.axes[0].size(), nxy = nx * l.axes[1].size();
+  const std::size_t first = cell[0] + nx * cell[1] + nxy * cell[2];
+  const std::size_t corner[8] = {first,       first + 1,       first + 1 + nx,       first + nx,
+                                 first + nxy, first + nxy + 1, first + nxy + 1 + nx, first + nxy + nx};
+  for (std::size_t c = 0; c < 8; ++c) place.corners[c] = static_cast<std::uint32_t>(corner[c]);
+  place.cell = place.corners[0];
+  place.corner_count = 8;
+  shape_functions(CellShape::hexahedron, u, place.weights);
+}
+
+}  // namespace
+
+struct VolumeLocator::State {
+  const SampledVolume& volume;
+  double tolerance;
+  BoxTree cells;
+  std::vector<std::uint8_t> folded;  ///< of each cell; empty if none is
+  std::unique_ptr<FamiliarCells> familiar;
+
+  /// Faces without a cell on the other side, for points outside: found when the first one is asked for.
+  struct Border {
+    std::vector<std::uint32_t> faces;  ///< kMostFaces · cell + face
+    BoxTree tree;
+  };
+  mutable std::once_flag border_made;
+  mutable Border border;
+
+  explicit State(const SampledVolume& v) : volume(v), tolerance(1e-9 * v.bounds().diagonal()) {
+    if (volume.lattice) return;
+    if (volume.cells.empty()) throw DataError("the volume has no cells");
+    cells = BoxTree(volume.cells.size(), [this](std::size_t c) {
+      Box3 box;
+      for (const std::uint32_t p : volume.cells[c]) box.extend(volume.corner(p));
+      return widened(box);
+    });
+    folded.resize(volume.cells.size());
+    parallel_for(0, folded.size(), 4096, [this](std::size_t c) {
+      std::array<Vec3, 8> corners;
+      const std::size_t count = corners_of(c, volume.corner(volume.cells[c][0]), corners);
+      folded[c] = is_folded(volume.cells.shapes[c], std::span(corners).first(count));
+    });
+    if (std::find(folded.begin(), folded.end(), 1) == folded.end()) folded = {};
+    familiar = std::make_unique<FamiliarCells>(volume, cells, folded);
+  }
+
+  Box3 widened(Box3 box) const {
+    const Vec3 slack{tolerance, tolerance, tolerance};
+    return {box.lower - slack, box.upper + slack};
+  }
+
+  std::size_t corners_of(std::size_t cell, const Vec3& x, std::array<Vec3, 8>& corners) const {
+    const auto points = volume.cells[cell];
+    for (std::size_t c = 0; c < points.size(); ++c) corners[c] = volume.corner(points[c]) - x;
+    return points.size();
+  }
+
+  void make_border() const {
+    const std::size_t points = volume.corners.empty() ? volume.positions.size() : volume.corners.size();
+    const auto neighbours = face_neighbours(volume.cells, points);
+    for (std::size_t c = 0; c < volume.cells.size(); ++c)
+      for (std::size_t f = 0; f < cell_faces(volume.cells.shapes[c]).size(); ++f)
+        if (neighbours[kMostFaces * c + f] == kNoCell)
+          border.faces.push_back(static_cast<std::uint32_t>(kMostFaces * c + f));
+    border.tree = BoxTree(border.faces.size(), [this](std::size_t i) {
+      Box3 box;
+      std::array<Vec3, 4> ring;
+      const std::size_t count = ring_of(border.faces[i], {}, ring);
+      for (std::size_t k = 0; k < count; ++k) box.extend(ring[k]);
+      return box;
+    });
+  }
+
+  std::size_t ring_of(std::uint32_t id, const Vec3& x, std::array<Vec3, 4>& ring) const {
+    const std::size_t cell = id / kMostFaces;
+    const CellFace& face = cell_faces(volume.cells.shapes[cell])[id % kMostFaces];
+    for (std::size_t k = 0; k < face.count; ++k) ring[k] = volume.corner(volume.cells[cell][face.corner[k]]) - x;
+    return face.count;
+  }
+
+  void set(VolumePlace& place, std::uint32_t cell) const {
+    const auto points = volume.cells[cell];
+    place.cell = cell;
+    place.corner_count = static_cast<std::uint8_t>(points.size());
+    std::copy(points.begin(), points.end(), place.corners.begin());
+  }
+
+  /// The place on the faces without a neighbour that is nearest to x.
+  void locate_outside(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
+    if (locate_next_to(x, place, candidates)) return;
+    std::call_once(border_made, [this] { make_border(); });
+    const auto distance = [&](std::uint32_t i) {
+      std::array<Vec3, 4> r;
+      const std::size_t count = ring_of(border.faces[i], x, r);
+      double d = squared_norm(closest_on_triangle({}, r[0], r[1], r[2]));
+      if (count == 4) d = std::min(d, squared_norm(closest_on_triangle({}, r[0], r[2], r[3])));
+      return d;
+    };
+    const std::uint32_t nearest = border.tree.nearest(x, distance, std::numeric_limits<double>::infinity());
+    if (nearest == BoxTree::kNone) {  // no border: a volume that closes on itself, or distances that overflow
+      set(place, 0);
+      place.weights[0] = 1;
+      return;
+    }
+    const std::uint32_t id = border.faces[nearest];
+    set(place, id / kMostFaces);
+    std::array<Vec3, 4> ring;
+    std::array<double, 4> weights;
+    const std::size_t count = ring_of(id, x, ring);
+    nearest_on_face(std::span(ring).first(count), weights);
+    const CellFace& face = cell_faces(volume.cells.shapes[place.cell])[id % kMostFaces];
+    for (std::size_t k = 0; k < count; ++k) place.weights[face.corner[k]] = weights[k];
+  }
+
+  /// Most points outside lie just beyond a face: ends of rays, where these enter and leave. Then the place of a cell at
+  /// nearly the same parameters will do, and nothing has to be searched.
+  bool locate_next_to(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
+    const double near = kBeside * tolerance;
+    const Vec3 slack{near, near, near};
+    cells.overlapping({x - slack, x + slack}, candidates);
+    double least = near * near;
+    std::uint32_t best = kNoCell;
+    Vec3 at;
+    for (const std::uint32_t cell : candidates) {
+      std::array<Vec3, 8> corners;
+      const CellShape shape = volume.cells.shapes[cell];
+      const CellInverse inverse(shape, std::span<const Vec3>(corners).first(corners_of(cell, {}, corners)));
+      const Vec3 from_corner = x - corners[0];
+      Vec3 u;
+      if (!inverse.may_reach(from_corner, near) || !inverse.invert(from_corner, u)) continue;
+      u = clamped_parameters(shape, u);
+      const double d = squared_norm(inverse.at(u) - from_corner);
+      if (d < least || (d == least && cell < best)) least = d, best = cell, at = u;
+    }
+    if (best == kNoCell) return false;
+    set(place, best);
+    shape_functions(volume.cells.shapes[best], at, place.weights);
+    return true;
+  }
+
+  /// `start` is a cell nearby, or none, and becomes the cell that was found.
+  void locate(const Vec3& x, VolumePlace& place, std::uint32_t& start, std::vector<std::uint32_t>& candidates) const {
+    if (!is_finite(x)) {
+      place.inside = false;
+      place.weights.fill(0);
+      set(place, 0);
+      place.weights[0] = 1;
+      return;
+    }
+    Vec3 u;
+    if (const std::uint32_t cell = familiar->find(x, start, kStrict, u); cell != kNoCell) {
+      place.inside = true;
+      set(place, cell);
+      shape_functions(volume.cells.shapes[cell], u, place.weights);
+      start = cell;
+      return;
+    }
+    place.inside = false;
+    place.weights.fill(0);
+    search(x, place, candidates);
+    if (place.inside) familiar->count(place.cell);
+    start = place.cell;
+  }
+
+  void search(const Vec3& x, VolumePlace& place, std::vector<std::uint32_t>& candidates) const {
+    cells.containing(x, candidates);
+    std::array<Vec3, 8> corners;
+    // Held by a cell's inside, where the smallest counts, or only by its faces, where the first does.
+    std::uint32_t within = kNoCell, touched = kNoCell;
+    double smallest = -1;
+    Vec3 within_at, touched_at;
+    bool failed = false;
+    for (const std::uint32_t cell : candidates) {
+      const CellShape shape = volume.cells.shapes[cell];
+      const std::size_t count = corners_of(cell, {}, corners);
+      const std::span<const Vec3> these = std::span(corners).first(count);
+      const CellInverse inverse(shape, these);
+      const Vec3 from_corner = x - corners[0];
+      if (!inverse.may_reach(from_corner, tolerance)) continue;
+      Vec3 u;
+      if (!inverse.invert(from_corner, u)) {
+        failed = true;
+        continue;
+      }
+      if (parameters_within(shape, u, kStrict)) {
+        if (within == kNoCell) {
+          within = cell, within_at = u;
+          continue;
+        }
+        if (smallest < 0) {
+          std::array<Vec3, 8> others;
+          const std::size_t n = corners_of(within, {}, others);
+          smallest = std::abs(cell_volume(volume.cells.shapes[within], std::span(others).first(n)));
+        }
+        const double size = std::abs(cell_volume(shape, these));
+        if (size < smallest || (size == smallest && cell < within)) within = cell, within_at = u, smallest = size;
+      } else if (within == kNoCell && cell < touched) {
+        const Vec3 nearest = clamped_parameters(shape, u);
+        if (squared_norm(nearest - u) < 0.25 &&
+            squared_norm(inverse.at(nearest) - from_corner) <= tolerance * tolerance)
+          touched = cell, touched_at = nearest;
+        else if (!folded.empty() && folded[cell])
+          failed = true;
+      }
+    }
+    if (within != kNoCell || touched != kNoCell) {
+      place.inside = true;
+      set(place, within != kNoCell ? within : touched);
+      shape_functions(volume.cells.shapes[place.cell], within != kNoCell ? within_at : touched_at, place.weights);
+      return;
+    }
+    if (failed) {  // folded or nearly flat cells, in which Newton's method goes astray
+      double nearest = tolerance * tolerance;
+      for (const std::uint32_t cell : candidates) {
+        std::array<double, 8> weights;
+        const std::size_t count = corners_of(cell, x, corners);
+        const double d = nearest_in_cell(volume.cells.shapes[cell], std::span(corners).first(count), weights);
+        if (!(d <= nearest) || (d == nearest && place.inside && cell > place.cell)) continue;
+        place.inside = true;
+        nearest = d;
+        set(place, cell);
+        place.weights.fill(0);
+        std::copy_n(weights.begin(), count, place.weights.begin());
+      }
+      if (place.inside) return;
+    }
+    locate_outside(x, place, candidates);
+  }
+};
+
+VolumeLocator::VolumeLocator(const SampledVolume& volume) : state_(std::make_unique<State>(volume)) {}
+VolumeLocator::~VolumeLocator() = default;
+
+const SampledVolume& VolumeLocator::volume() const { return state_->volume; }
+
+void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> places) const { locate(x, places, {}); }
+
+void VolumeLocator::locate(std::span<const Vec3> x, std::span<VolumePlace> places,
+                           std::span<std::uint32_t> starts) const {
+  if (x.size() != places.size() || (starts.size() > 1 && starts.size() != x.size()))
+    throw ArgumentError("VolumeLocator: as many places as points are needed");
+  const State& state = *state_;
+  if (state.volume.lattice) {
+    parallel_for(0, x.size(), 1024,
+                 [&](std::size_t i) { locate_in_lattice(*state.volume.lattice, state.tolerance, x[i], places[i]); });
+    return;
+  }
+  const auto order = locality_order(x);
+  constexpr std::size_t kGrain = 256;
+  parallel_ranges(0, x.size(), kGrain, [&](std::size_t first, std::size_t last) {
+    static thread_local std::vector<std::uint32_t> candidates;
+    std::uint32_t before = starts.empty() ? kNoCell : starts[0];
+    for (std::size_t k = first; k < last; ++k) {
+      const std::size_t i = order.empty() ? k : order[k];
+      state.locate(x[i], places[i], starts.size() > 1 ? starts[i] : before, candidates);
+    }
+    if (starts.size() == 1 && x.size() <= kGrain) starts[0] = before;
+  });
+}
+
+double local_spacing(const SampledVolume& volume, const VolumePlace& place) {
+  if (volume.lattice) {
+    const Lattice& l = *volume.lattice;
+    const auto at = l.indices(place.cell);
+    double sum = 0;
+    for (std::size_t k = 0; k < 3; ++k) sum += l.axes[k][at[k] + 1] - l.axes[k][at[k]];
+    return sum / 3;
+  }
+  double sum = 0;
+  const auto corners = volume.cells[place.cell];
+  const auto edges = cell_edges(volume.cells.shapes[place.cell]);
+  for (const auto& edge : edges) sum += norm(volume.corner(corners[edge[0]]) - volume.corner(corners[edge[1]]));
+  return sum / static_cast<double>(edges.size());
+}
+
+Vec3 held_outside(const SampledVolume& volume, const VolumePlace& place, const Vec3& out) {
+  const double length = norm(out), most = local_spacing(volume, place) / 2;
+  if (length <= most) return out;
+  return std::isfinite(length) ? out * (most / length) : Vec3{};
+}
+
+void shape_gradients(const SampledVolume& volume, const VolumePlace& place, const Vec3& /*x*/,
+                     std::span<Vec3, 8> gradients) {
+  std::fill(gradients.begin(), gradients.end(), Vec3{});
+  const CellShape shape = volume.lattice ? CellShape::hexahedron : volume.cells.shapes[place.cell];
+  const std::size_t count = place.corner_count;
+  Vec3 u = parameters_of(shape, place.weights);
+  // The tip of a pyramid is singular; just below it all is well.
+  if (shape == CellShape::pyramid) u.z = std::min(u.z, 1 - 1e-6);
+  std::array<Vec3, 8> by_parameter;
+  shape_derivatives(shape, u, by_parameter);
+  if (volume.lattice) {
+    const Lattice& l = *volume.lattice;
+    const auto at = l.indices(place.cell);
+    double step[3];
+    for (std::size_t k = 0; k < 3; ++k) step[k] = l.axes[k][at[k] + 1] - l.axes[k][at[k]];
+    for (std::size_t c = 0; c < 8; ++c)
+      for (std::size_t k = 0; k < 3; ++k) gradients[c] += l.directions[k] * (by_parameter[c][k] / step[k]);
+    return;
+  }
+  std::array<Vec3, 3> j;
+  const Vec3 base = volume.corner(place.corners[0]);
+  for (std::size_t c = 1; c < count; ++c) {
+    const Vec3 edge = volume.corner(place.corners[c]) - base;
+    for (std::size_t k = 0; k < 3; ++k) j[k] += edge * by_parameter[c][k];
+  }
+  const Vec3 st = cross(j[1], j[2]);
+  const double size = dot(j[0], st);
+  const Vec3 by_r = st / size, by_s = cross(j[2], j[0]) / size, by_t = cross(j[0], j[1]) / size;
+  if (!is_finite(by_r) || !is_finite(by_s) || !is_finite(by_t)) return;
+  for (std::size_t c = 0; c < count; ++c) {
+    const Vec3& d = by_parameter[c];
+    gradients[c] = by_r * d.x + by_s * d.y + by_t * d.z;
+  }
+}
+
+}  // namespace sansmesh::inline v1

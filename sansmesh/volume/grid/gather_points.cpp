@@ -1,0 +1,71 @@
+#include "sansmesh/volume/grid/gather_points.h"
+
+#include "sansmesh/core/union_find.h"
+#include "sansmesh/error.h"
+#include "sansmesh/volume/cells/box_tree.h"
+#include "sansmesh/volume/grid/block_order.h"
+#include "sansmesh/volume/grid/delaunay.h"
+#include "sansmesh/volume/grid/point_order.h"
+
+namespace sansmesh::inline v1 {
+
+GatheredCells gather_scattered(const GridData& data, const std::vector<std::size_t>& order, VolumeFacts& facts,
+                               std::vector<std::uint32_t>& first) {
+  struct Source {
+    std::uint32_t row;
+    std::uint16_t block;
+  };
+  std::vector<Source> sources;
+  std::vector<Vec3> places;
+  Box3 box;
+  for (const std::size_t b : order) {
+    const GridBlock& block = data.blocks[b];
+    if (block.kind != GridKind::scattered) continue;
+    for (std::size_t i = 0; i < block.points.size(); ++i) {
+      if (!is_finite(block.points[i])) {
+        ++facts.not_finite;
+      } else if (!block.hidden_points.empty() && block.hidden_points[i]) {
+        ++facts.hidden;
+      } else {
+        places.push_back(block.points[i]);
+        sources.push_back({static_cast<std::uint32_t>(i), static_cast<std::uint16_t>(b)});
+        box.extend(block.points[i]);
+      }
+    }
+  }
+  if (places.empty()) throw DataError(facts.hidden > 0 ? "all points are hidden" : "no point has finite coordinates");
+  const auto sorted = canonical_point_order(places, [&](std::uint32_t i, std::uint32_t j) {
+    return digest_of_point(data.blocks[sources[i].block], sources[i].row) <
+           digest_of_point(data.blocks[sources[j].block], sources[j].row);
+  });
+  GatheredCells g;
+  for (const std::uint32_t i : sorted) {
+    g.points.push_back(places[i]);
+    g.point_row.push_back(sources[i].row);
+    if (data.blocks.size() > 1) g.point_block.push_back(sources[i].block);
+  }
+  places = {}, sources = {};
+  const double reach = 1e-9 * box.diagonal();
+  const BoxTree tree(g.points.size(), [&](std::size_t i) {
+    return Box3{g.points[i] - Vec3{reach, reach, reach}, g.points[i] + Vec3{reach, reach, reach}};
+  });
+  UnionFind sets(g.points.size());
+  std::vector<std::uint32_t> near, distinct;
+  for (std::size_t i = 0; i < g.points.size(); ++i) {
+    tree.containing(g.points[i], near);
+    for (const std::uint32_t j : near)
+      if (squared_norm(g.points[j] - g.points[i]) <= reach * reach) sets.join(static_cast<std::uint32_t>(i), j);
+  }
+  std::vector<Vec3> apart;
+  first.resize(g.points.size());
+  for (std::size_t i = 0; i < g.points.size(); ++i) {
+    first[i] = sets.find(static_cast<std::uint32_t>(i));
+    if (first[i] == i) apart.push_back(g.points[i]), distinct.push_back(static_cast<std::uint32_t>(i));
+  }
+  if (distinct.size() == g.points.size()) first.clear();
+  g.cells = delaunay_tetrahedra(apart);
+  for (std::uint32_t& p : g.cells.corners) p = distinct[p];
+  return g;
+}
+
+}  // namespace sansmesh::inline v1

@@ -1,0 +1,96 @@
+#include "sansmesh/volume/methods/cell_blend.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "sansmesh/volume/methods/grouped_field.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+using detail::CellCorner;
+using detail::CellTile;
+
+class CellBlend final : public GroupedField {
+ public:
+  CellBlend(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeLocator> locator,
+            std::unique_ptr<CornerPolynomials> polynomials)
+      : GroupedField(std::move(volume), std::move(locator), polynomials->components()),
+        polynomials_(std::move(polynomials)) {}
+
+ private:
+  struct Tile final : Memory {
+    CellTile tile;
+  };
+
+  std::unique_ptr<Memory> memory() const override { return std::make_unique<Tile>(); }
+
+  void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const override {
+    static_assert(CellTile::kTile == kMostPoints);
+    CellTile& tile = static_cast<Tile&>(memory).tile;
+    const std::size_t n = group.size, c = components(), count = group.cell.corner_count;
+    const std::span<const std::uint32_t> samples = std::span(group.cell.corners).first(count);
+    const CellShape shape = shape_of(group.cell.cell);
+    const bool gradient = !wanted.gradients.empty();
+    std::array<CellCorner, 8> corners;
+    std::array<Vec3, 8> positions;
+    for (std::size_t v = 0; v < count; ++v) positions[v] = corner(samples[v]);
+    double base = polynomials_->corners(samples, 0, corners);
+
+    constexpr std::size_t kRow = 16;  // what the widest vectors read
+    const std::size_t filled = (n + kRow - 1) / kRow * kRow;
+    for (std::size_t i = 0; i < filled; ++i) {
+      const std::size_t p = std::min(i, n - 1);
+      const VolumePlace& place = *group.places[p];
+      const Vec3 at = group.x[p] + held(group.out[p], corners[0].metric);
+      for (std::size_t v = 0; v < count; ++v) {
+        const Vec3 d = at - positions[v];
+        tile.weights[v][i] = static_cast<float>(place.weights[v]);
+        for (std::size_t k = 0; k < 3; ++k) tile.offsets[v][k][i] = static_cast<float>(d[k]);
+      }
+      if (!gradient) continue;
+      std::array<Vec3, 8> slopes;
+      shape_gradients(volume(), place, at, slopes);
+      for (std::size_t v = 0; v < count; ++v)
+        for (std::size_t k = 0; k < 3; ++k) tile.slopes[v][k][i] = static_cast<float>(slopes[v][k]);
+    }
+    detail::blend_weights(shape, filled, gradient, tile);
+    for (std::size_t m = 0; m < c; ++m) {
+      if (m > 0) base = polynomials_->corners(samples, m, corners);
+      detail::blend_corners(corners.data(), count, filled, gradient, tile);
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t to = group.to[i] * c + m;
+        if (!wanted.values.empty()) wanted.values[to] = base + static_cast<double>(tile.value[i]);
+        if (gradient) wanted.gradients[to] = Vec3(Vec3f{tile.gradient[0][i], tile.gradient[1][i], tile.gradient[2][i]});
+      }
+    }
+    if (wanted.degrees.empty()) return;
+    for (std::size_t i = 0; i < n; ++i) {
+      std::size_t most = 0;
+      for (std::size_t v = 1; v < count; ++v)
+        if (tile.blend[v][i] > tile.blend[most][i]) most = v;
+      wanted.degrees[group.to[i]] = static_cast<std::uint8_t>(corners[most].trust > 0 ? corners[most].degree : 1);
+    }
+  }
+
+  // How far a point goes outside: half a local length at most.
+  static Vec3 held(const Vec3& out, const StarMetric& metric) {
+    const double length = norm(metric(out));
+    if (!std::isfinite(length)) return {};
+    return length > 0.5 ? out * (0.5 / length) : out;
+  }
+
+  std::unique_ptr<CornerPolynomials> polynomials_;
+};
+
+}  // namespace
+
+std::unique_ptr<VolumeField> make_cell_blend(std::shared_ptr<const SampledVolume> volume,
+                                             std::shared_ptr<const VolumeLocator> locator,
+                                             std::unique_ptr<CornerPolynomials> polynomials) {
+  return std::make_unique<CellBlend>(std::move(volume), std::move(locator), std::move(polynomials));
+}
+
+}  // namespace sansmesh::inline v1

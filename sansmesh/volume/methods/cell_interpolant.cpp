@@ -1,0 +1,157 @@
+#include "sansmesh/volume/methods/cell_interpolant.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "sansmesh/core/matrix3.h"
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/volume/cells/cell_adjacency.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+/// Weights of samples whose sum is the value at `x` of the plane of least squares through them. Directions in which
+/// they do not extend count as constant.
+void plane_weights(std::span<const Vec3> samples, const Vec3& x, std::vector<double>& weights) {
+  const std::size_t n = samples.size();
+  Vec3 middle;
+  for (const Vec3& p : samples) middle += p / static_cast<double>(n);
+  // Near samples count more: a thin layer beside a thick one keeps its say.
+  std::vector<double> nearness(n);
+  double scale = 0;
+  for (const Vec3& p : samples) scale += norm(p - x) / static_cast<double>(n);
+  double sum = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    nearness[i] = 1 / (squared_norm(samples[i] - x) + 1e-4 * scale * scale + std::numeric_limits<double>::min());
+    sum += nearness[i];
+  }
+  middle = {};
+  for (std::size_t i = 0; i < n; ++i) middle += samples[i] * (nearness[i] / sum);
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 d = samples[i] - middle;
+    const Eigen::Vector3d v(d.x, d.y, d.z);
+    covariance += nearness[i] / sum * v * v.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
+  const Eigen::Vector3d offset(x.x - middle.x, x.y - middle.y, x.z - middle.z);
+  Eigen::Vector3d slope = Eigen::Vector3d::Zero();  // inverse covariance times the offset
+  const double largest = axes.eigenvalues()[2];
+  for (int k = 0; k < 3; ++k)
+    if (axes.eigenvalues()[k] > 1e-13 * largest)
+      slope += axes.eigenvectors().col(k) * (axes.eigenvectors().col(k).dot(offset) / axes.eigenvalues()[k]);
+  weights.resize(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 d = samples[i] - middle;
+    weights[i] = nearness[i] / sum * (1 + slope.dot(Eigen::Vector3d(d.x, d.y, d.z)));
+  }
+}
+
+void unique(std::vector<std::uint32_t>& samples) {
+  std::sort(samples.begin(), samples.end());
+  samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
+}
+
+}  // namespace
+
+CellInterpolant::CellInterpolant(const SampledVolume& volume, const VolumeValues& values)
+    : volume_(volume), values_(values) {
+  const std::size_t corners = volume.corners.size(), n = values.components;
+  const Adjacency around = cells_of_points(volume.cells, corners);
+  outer_.assign(corners, 0);
+  {
+    const auto across = face_neighbours(volume.cells, corners);
+    for (std::size_t c = 0; c < volume.cells.size(); ++c) {
+      const auto faces = cell_faces(volume.cells.shapes[c]);
+      for (std::size_t f = 0; f < faces.size(); ++f) {
+        if (across[kMostFaces * c + f] != kNoCell) continue;
+        for (std::size_t k = 0; k < faces[f].count; ++k) outer_[volume.cells[c][faces[f].corner[k]]] = 1;
+      }
+    }
+  }
+  at_corners_.resize(corners * n);
+  parallel_ranges(0, corners, 512, [&](std::size_t first, std::size_t last) {
+    std::vector<std::uint32_t> samples;
+    std::vector<Vec3> places;
+    std::vector<double> weights;
+    for (std::size_t p = first; p < last; ++p) {
+      samples.clear(), places.clear();
+      for (const std::uint32_t c : around[p]) samples.push_back(volume.cell_sample[c]);
+      unique(samples);
+      // A corner of the volume may have a single cell: rings are added until a plane is well determined.
+      for (int ring = 0; outer_[p] && ring < 3 && (ring == 0 || samples.size() < 10); ++ring) {
+        for (std::size_t i = 0, own = samples.size(); i < own; ++i) {
+          const auto star = volume.stars[samples[i]];
+          samples.insert(samples.end(), star.begin(), star.end());
+        }
+        unique(samples);
+      }
+      if (samples.empty()) continue;
+      const Vec3 at = volume.corners[p];
+      for (const std::uint32_t s : samples) places.push_back(volume.positions[s] - at);
+      plane_weights(places, {}, weights);
+      for (std::size_t k = 0; k < n; ++k) {
+        double sum = 0, least = std::numeric_limits<double>::max(), most = std::numeric_limits<double>::lowest();
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+          const double v = values.of(samples[i])[k];
+          sum += weights[i] * v;
+          least = std::min(least, v), most = std::max(most, v);
+        }
+        const double beyond = outer_[p] ? 1.5 * (most - least) : 0;
+        at_corners_[p * n + k] = std::clamp(sum, least - beyond, most + beyond);
+      }
+    }
+  });
+}
+
+void CellInterpolant::evaluate(const VolumePlace& place, const Vec3& x, std::span<double> values,
+                               std::span<Vec3> gradients) const {
+  const std::uint32_t sample = volume_.cell_sample[place.cell];
+  const Vec3 tip = volume_.positions[sample], d = x - tip;
+  const auto corners = volume_.cells[place.cell];
+  const auto faces = cell_faces(volume_.cells.shapes[place.cell]);
+  // The tetrahedron that holds x, or the one that x is least outside of.
+  double best = -std::numeric_limits<double>::infinity();
+  Vec3 share;  // of the middle or third corner, of the first and of the second one
+  Matrix3 edges{{}, {}, {}};
+  std::size_t face = 0, side = 0;
+  for (std::size_t f = 0; f < faces.size() && !(best >= 0); ++f) {
+    std::array<Vec3, 4> ring;
+    Vec3 middle;
+    const std::size_t count = faces[f].count;
+    for (std::size_t k = 0; k < count; ++k) {
+      ring[k] = volume_.corner(corners[faces[f].corner[k]]) - tip;
+      middle += ring[k] * 0.25;
+    }
+    for (std::size_t k = 0; k < (count == 4 ? 4u : 1u); ++k) {
+      const Matrix3 m{count == 4 ? middle : ring[2], ring[k], ring[(k + 1) % count]};
+      const Vec3 u = m.solve(d);
+      if (!is_finite(u)) continue;
+      const double least = std::min({u.x, u.y, u.z, 1 - u.x - u.y - u.z});
+      if (least > best) best = least, share = u, edges = m, face = f, side = k;
+    }
+  }
+  const std::size_t n = values_.components;
+  const auto own = values_.of(sample);
+  if (!std::isfinite(best)) {
+    std::copy(own.begin(), own.end(), values.begin());
+    std::fill(gradients.begin(), gradients.end(), Vec3{});
+    return;
+  }
+  const CellFace& f = faces[face];
+  const auto at = [&](std::size_t k, std::size_t c) { return at_corners_[corners[f.corner[k % f.count]] * n + c]; };
+  for (std::size_t c = 0; c < n; ++c) {
+    const double middle = (f.count == 4 ? (at(0, c) + at(1, c) + at(2, c) + at(3, c)) / 4 : at(2, c)) - own[c];
+    const Vec3 rise{middle, at(side, c) - own[c], at(side + 1, c) - own[c]};
+    values[c] = own[c] + dot(rise, share);
+    if (!gradients.empty()) {
+      const Vec3 g = edges.solve_transposed(rise);
+      gradients[c] = is_finite(g) ? g : Vec3{};
+    }
+  }
+}
+
+}  // namespace sansmesh::inline v1

@@ -1,0 +1,126 @@
+#include "sansmesh/volume/methods/grouped_field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
+#include "sansmesh/volume/grid/point_order.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+// Below the number from which on the locator sorts.
+constexpr std::size_t kBlockPoints = 2000;
+constexpr std::uint64_t kOutside = 1u << 31;
+
+}  // namespace
+
+struct GroupedField::Block {
+  std::vector<Vec3> x;
+  std::vector<std::uint32_t> at;
+  std::vector<VolumePlace> places;
+  std::vector<std::uint64_t> keys;
+  std::unique_ptr<Memory> memory;
+  // Of a group outside.
+  std::vector<double> values;
+  std::vector<Vec3> gradients;
+  std::vector<std::uint8_t> degrees;
+};
+
+void GroupedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+  evaluate_all(x, {wanted.values, wanted.gradients, wanted.inside, {}});
+}
+
+void GroupedField::degrees(std::span<const Vec3> x, std::span<std::uint8_t> found) const {
+  evaluate_all(x, {{}, {}, {}, found});
+}
+
+void GroupedField::evaluate_all(std::span<const Vec3> x, const PolynomialAnswers& wanted) const {
+  const std::size_t n = x.size(), c = components_;
+  const auto fits = [n](std::size_t size, std::size_t each) { return size == 0 || size == n * each; };
+  if (!fits(wanted.values.size(), c) || !fits(wanted.gradients.size(), c) || !fits(wanted.inside.size(), 1) ||
+      !fits(wanted.degrees.size(), 1))
+    throw ArgumentError("VolumeField: the answers are not as many as the points");
+  const auto order = locality_order(x);
+  parallel_ranges(0, (n + kBlockPoints - 1) / kBlockPoints, 1, [&](std::size_t begin, std::size_t end) {
+    Block block;
+    block.memory = memory();
+    for (std::size_t b = begin; b < end; ++b)
+      evaluate_block(x, order, b * kBlockPoints, std::min(n, (b + 1) * kBlockPoints), wanted, block);
+  });
+}
+
+void GroupedField::spacing(std::span<const Vec3> x, std::span<double> found) const {
+  if (found.size() != x.size()) throw ArgumentError("VolumeField: as many spacings as points are needed");
+  std::vector<VolumePlace> places(x.size());
+  locator_->locate(x, places);
+  parallel_for(0, x.size(), 1024, [&](std::size_t i) { found[i] = local_spacing(*volume_, places[i]); });
+}
+
+void GroupedField::evaluate_block(std::span<const Vec3> x, std::span<const std::uint32_t> order, std::size_t first,
+                                  std::size_t last, const PolynomialAnswers& wanted, Block& s) const {
+  const std::size_t m = last - first;
+  s.x.resize(m), s.at.resize(m), s.places.resize(m), s.keys.clear();
+  for (std::size_t i = 0; i < m; ++i) {
+    s.at[i] = order.empty() ? static_cast<std::uint32_t>(first + i) : order[first + i];
+    s.x[i] = x[s.at[i]];
+  }
+  locator_->locate(s.x, s.places);
+  for (std::size_t i = 0; i < m; ++i) {
+    if (!wanted.inside.empty()) wanted.inside[s.at[i]] = s.places[i].inside;
+    if (is_finite(s.x[i])) {
+      s.keys.push_back(static_cast<std::uint64_t>(s.places[i].cell) << 32 | (s.places[i].inside ? 0 : kOutside) | i);
+      continue;
+    }
+    for (std::size_t k = 0; k < components_; ++k) {
+      if (!wanted.values.empty()) wanted.values[s.at[i] * components_ + k] = 0;
+      if (!wanted.gradients.empty()) wanted.gradients[s.at[i] * components_ + k] = {};
+    }
+    if (!wanted.degrees.empty()) wanted.degrees[s.at[i]] = 0;
+  }
+  if (wanted.values.empty() && wanted.gradients.empty() && wanted.degrees.empty()) return;
+  std::sort(s.keys.begin(), s.keys.end());
+  for (std::size_t i = 0; i < s.keys.size();) {
+    const auto number = [&] { return static_cast<std::size_t>(s.keys[i] & (kOutside - 1)); };
+    Group group{s.places[number()], 0, {}, {}, {}, {}};
+    const std::uint64_t side = s.keys[i] / kOutside;  // cell, inside or outside
+    for (; i < s.keys.size() && s.keys[i] / kOutside == side && group.size < kMostPoints; ++i, ++group.size) {
+      const std::size_t p = number();
+      const VolumePlace& place = s.places[p];
+      group.places[group.size] = &place;
+      group.to[group.size] = s.at[p];
+      group.x[group.size] = s.x[p];
+      group.out[group.size] = {};
+      if (place.inside) continue;
+      Vec3 near;
+      for (std::size_t v = 0; v < place.corner_count; ++v) near += corner(place.corners[v]) * place.weights[v];
+      group.x[group.size] = near;
+      group.out[group.size] = s.x[p] - near;
+    }
+    if (side % 2 != 0 && goes_on_straight())
+      answer_outside(group, wanted, s);
+    else
+      answer(group, *s.memory, wanted);
+  }
+}
+
+void GroupedField::answer_outside(Group& group, const PolynomialAnswers& wanted, Block& s) const {
+  const std::size_t n = group.size, c = components_;
+  const auto to = group.to;
+  std::iota(group.to.begin(), group.to.end(), 0u);
+  s.values.resize(n * c), s.gradients.resize(n * c), s.degrees.resize(wanted.degrees.empty() ? 0 : n);
+  answer(group, *s.memory, {s.values, s.gradients, {}, s.degrees});
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 beyond = held_outside(*volume_, *group.places[i], group.out[i]);
+    for (std::size_t k = 0; k < c; ++k) {
+      const Vec3& gradient = s.gradients[i * c + k];
+      if (!wanted.values.empty()) wanted.values[to[i] * c + k] = s.values[i * c + k] + dot(gradient, beyond);
+      if (!wanted.gradients.empty()) wanted.gradients[to[i] * c + k] = gradient;
+    }
+    if (!wanted.degrees.empty()) wanted.degrees[to[i]] = s.degrees[i];
+  }
+}
+
+}  // namespace sansmesh::inline v1

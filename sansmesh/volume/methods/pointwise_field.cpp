@@ -1,0 +1,116 @@
+#include "sansmesh/volume/methods/pointwise_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/error.h"
+#include "sansmesh/volume/grid/point_order.h"
+
+namespace sansmesh::inline v1::detail {
+namespace {
+
+constexpr std::size_t kLocatedGrain = 256, kAtOnce = 32;  // of a thread; whose places are kept
+
+}  // namespace
+
+LocatedField::LocatedField(std::shared_ptr<const SampledVolume> volume, VolumeValues values)
+    : volume_(std::move(volume)), values_(std::move(values)), bounds_(volume_->bounds()), locator_(*volume_) {
+  if (values_.values.size() != volume_->size() * values_.components)
+    throw ArgumentError("`values` must have a row for each sample");
+}
+
+template <class Visit>
+void LocatedField::for_each_place(std::span<const Vec3> x, const Visit& visit) const {
+  // Who asks for few points asks for what follows next: in each slot a particle, say. Where it was found the last time,
+  // be it by another field of the same thread, is where the search begins.
+  static thread_local std::array<std::uint32_t, kLocatedGrain> slots{};
+  const std::vector<std::uint32_t> order = locality_order(x);
+  const bool few = x.size() <= slots.size();
+  parallel_ranges(0, x.size(), kLocatedGrain, [&](std::size_t begin, std::size_t end) {
+    std::array<VolumePlace, kAtOnce> places;
+    std::array<Vec3, kAtOnce> sorted;
+    std::uint32_t before = 0;
+    for (std::size_t first = begin, count; first < end; first += count) {
+      count = std::min(kAtOnce, end - first);
+      const std::span<VolumePlace> found = std::span(places).first(count);
+      const auto starts = few ? std::span(slots).subspan(first, count) : std::span(&before, 1);
+      if (order.empty()) {
+        locator_.locate(x.subspan(first, count), found, starts);
+      } else {
+        for (std::size_t k = 0; k < count; ++k) sorted[k] = x[order[first + k]];
+        locator_.locate(std::span(sorted).first(count), found, starts);
+      }
+      for (std::size_t k = 0; k < count; ++k) visit(order.empty() ? first + k : order[first + k], places[k]);
+    }
+  });
+}
+
+void LocatedField::evaluate(std::span<const Vec3> x, const VolumeAnswers& wanted) const {
+  const std::size_t n = components();
+  const auto fits = [](std::size_t size, std::size_t want) { return size == 0 || size == want; };
+  if (!fits(wanted.values.size(), x.size() * n) || !fits(wanted.gradients.size(), x.size() * n) ||
+      !fits(wanted.inside.size(), x.size()))
+    throw ArgumentError("VolumeField: the answers are not as many as the points");
+  for_each_place(x, [&](std::size_t i, const VolumePlace& place) {
+    if (is_finite(x[i])) return answer_at(i, x[i], place, wanted);
+    if (!wanted.values.empty()) std::fill_n(wanted.values.data() + i * n, n, 0.0);
+    if (!wanted.gradients.empty()) std::fill_n(wanted.gradients.data() + i * n, n, Vec3{});
+    if (!wanted.inside.empty()) wanted.inside[i] = 0;
+  });
+}
+
+void LocatedField::spacing(std::span<const Vec3> x, std::span<double> found) const {
+  if (found.size() != x.size()) throw ArgumentError("VolumeField: as many spacings as points are needed");
+  for_each_place(x, [&](std::size_t i, const VolumePlace& place) { found[i] = local_spacing(*volume_, place); });
+}
+
+Vec3 LocatedField::position_of(const VolumePlace& place) const {
+  Vec3 at;
+  for (std::size_t c = 0; c < place.corner_count; ++c)
+    at += (volume_->lattice ? volume_->lattice->position(place.corners[c]) : volume_->corner(place.corners[c])) *
+          place.weights[c];
+  return at;
+}
+
+void PointwiseField::answer_at(std::size_t i, const Vec3& x, const VolumePlace& place,
+                               const VolumeAnswers& wanted) const {
+  if (!wanted.inside.empty()) wanted.inside[i] = place.inside;
+  if (wanted.values.empty() && wanted.gradients.empty()) return;
+  const std::size_t n = components();
+  static thread_local std::vector<double> value;
+  static thread_local std::vector<Vec3> slope;
+  value.assign(n, 0), slope.assign(n, {});
+  double* const values = wanted.values.empty() ? value.data() : wanted.values.data() + i * n;
+  Vec3* const gradients = wanted.gradients.empty() ? slope.data() : wanted.gradients.data() + i * n;
+  if (place.inside) {
+    answer(x, place, values, wanted.gradients.empty() ? nullptr : gradients);
+  } else {
+    const Vec3 nearest = position_of(place);
+    answer(nearest, place, values, gradients);
+    const Vec3 beyond = held_outside(volume(), place, x - nearest);
+    for (std::size_t c = 0; c < n; ++c) values[c] += dot(gradients[c], beyond);
+  }
+}
+
+void WeightedField::answer(const Vec3& x, const VolumePlace& place, double* values, Vec3* gradients) const {
+  static thread_local std::vector<SampleWeight> found;
+  weights(x, place, gradients != nullptr, found);
+  const std::size_t n = components();
+  std::fill_n(values, n, 0);
+  if (gradients) std::fill_n(gradients, n, Vec3{});
+  if (found.empty()) return;
+  // Gradients as sums of differences: large slopes of opposite sign leave nothing of a constant.
+  const double* const base = samples().values.data() + found.front().sample * n;
+  for (const SampleWeight& w : found) {
+    const double* const f = samples().values.data() + w.sample * n;
+    for (std::size_t c = 0; c < n; ++c) {
+      values[c] += w.weight * f[c];
+      if (gradients) gradients[c] += w.slope * (f[c] - base[c]);
+    }
+  }
+}
+
+}  // namespace sansmesh::inline v1::detail

@@ -1,0 +1,256 @@
+#include "sansmesh/volume/methods/support_blend.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "sansmesh/core/parallel.h"
+#include "sansmesh/volume/cells/cell_adjacency.h"
+#include "sansmesh/volume/cells/cell_finder.h"
+#include "sansmesh/volume/kernels/support_kernels.h"
+#include "sansmesh/volume/methods/cell_interpolant.h"
+#include "sansmesh/volume/methods/grouped_field.h"
+#include "sansmesh/volume/samples/support_index.h"
+
+namespace sansmesh::inline v1 {
+namespace {
+
+using detail::SupportTerm;
+using detail::SupportTile;
+
+constexpr float kNoSupport = 1e-20f;
+
+// Linear interpolation of samples in cells, and its share.
+class LinearShare {
+ public:
+  LinearShare(const SampledVolume& volume, const VolumeValues& values, const LocalPolynomials& polynomials)
+      : volume_(volume), any_(volume.cells.size(), 0) {
+    const std::size_t n = volume.size(), c = values.components;
+    joint_.components = c + 1;
+    joint_.values.resize(n * (c + 1));
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t m = 0; m < c; ++m) joint_.values[i * (c + 1) + m] = values.values[i * c + m];
+      const double doubt = 1 - static_cast<double>(polynomials.trust[i]);
+      share_of(i) = worth(doubt * doubt);
+    }
+    const std::vector<std::uint8_t> border = border_cells(volume);
+    for (std::size_t cell = 0; cell < border.size(); ++cell)
+      if (border[cell] != 0) share_of(volume.cell_sample[cell]) = 0;
+    interpolant_.emplace(volume, joint_);
+    const Adjacency around = cells_of_points(volume.cells, volume.corners.size());
+    parallel_ranges(0, volume.corners.size(), 512, [&](std::size_t begin, std::size_t end) {
+      Near near;
+      for (std::size_t k = begin; k < end; ++k) {
+        const auto cells = around[k];
+        double share = 0;
+        if (std::none_of(cells.begin(), cells.end(), [&](std::uint32_t cell) { return border[cell] != 0; })) {
+          for (const std::uint32_t cell : cells)
+            share += share_of(volume.cell_sample[cell]) / static_cast<double>(cells.size());
+          if (interpolant_->is_outer(k)) share = std::max(share, worth(outer_share(polynomials, k, cells, near)));
+        }
+        interpolant_->set_at_corner(k, c, share);
+      }
+    });
+    parallel_for(0, any_.size(), 4096, [&](std::size_t cell) {
+      bool any = share_of(volume.cell_sample[cell]) > 0;
+      for (const std::uint32_t k : volume.cells[cell]) any = any || interpolant_->at_corner(k, c) > 0;
+      any_[cell] = any ? 1 : 0;
+    });
+  }
+
+  /// Whether it has a share anywhere in a cell.
+  bool has(std::size_t cell) const { return any_[cell] != 0; }
+  /// Values, and the share as the last one; and their gradients, if wanted.
+  void evaluate(const VolumePlace& place, const Vec3& x, std::span<double> values, std::span<Vec3> gradients) const {
+    interpolant_->evaluate(place, x, values, gradients);
+  }
+
+ private:
+  // Variance of a correction, in squares of its difference to what the next samples say of it.
+  static constexpr double kDisagreement = 2.5;
+
+  struct Near {
+    std::vector<std::uint32_t> own, next;
+  };
+
+  // Shares of a hundredth are not worth the time.
+  static double worth(double share) { return share < 0.01 ? 0 : share; }
+  double& share_of(std::size_t sample) { return joint_.values[(sample + 1) * joint_.components - 1]; }
+
+  // Cells that touch others but for whole faces, at borders of levels and blocks: linear interpolation is not
+  // continuous there.
+  static std::vector<std::uint8_t> border_cells(const SampledVolume& volume) {
+    std::vector<std::uint8_t> border(volume.cells.size(), 0);
+    for_each_partial_neighbour(
+        FaceNeighbours(volume.cells, volume.corners),
+        [&](std::uint32_t cell, std::uint32_t, std::uint32_t other) { border[cell] = border[other] = 1; });
+    return border;
+  }
+
+  // At a corner on the surface of the volume, with cells around.
+  double outer_share(const LocalPolynomials& polynomials, std::size_t corner, std::span<const std::uint32_t> cells,
+                     Near& near) const {
+    near.own.clear(), near.next.clear();
+    for (const std::uint32_t cell : cells) near.own.push_back(volume_.cell_sample[cell]);
+    for (const std::uint32_t i : near.own)
+      for (const std::uint32_t j : volume_.stars[i])
+        if (std::find(near.own.begin(), near.own.end(), j) == near.own.end()) near.next.push_back(j);
+    double gain = 0, doubt = 0;
+    for (std::size_t m = 0; m < polynomials.components; ++m) {
+      const double flat = interpolant_->at_corner(corner, m);
+      const auto correction = [&](std::span<const std::uint32_t> samples) {
+        double sum = 0;
+        for (const std::uint32_t i : samples) {
+          const Vec3 u = polynomials.metric(volume_, i)(volume_.corners[corner] - volume_.positions[i]);
+          sum += polynomials.constants[i * polynomials.components + m] + polynomials.full_rise(i, m, u) - flat;
+        }
+        return samples.empty() ? 0.0 : sum / static_cast<double>(samples.size());
+      };
+      const double a = correction(near.own), b = correction(near.next);
+      gain += a * a, doubt += kDisagreement * (a - b) * (a - b);
+    }
+    return doubt > 0 ? doubt / (gain + doubt) : 0;
+  }
+
+  const SampledVolume& volume_;
+  VolumeValues joint_;  // of the samples: components, and the share as the last one
+  std::optional<CellInterpolant> interpolant_;
+  std::vector<std::uint8_t> any_;  // of cells
+};
+
+class SupportBlend final : public GroupedField {
+ public:
+  SupportBlend(std::shared_ptr<const SampledVolume> volume, std::shared_ptr<const VolumeLocator> locator,
+               LocalPolynomials polynomials, SharedArray<float> radii, const VolumeValues& values)
+      : GroupedField(std::move(volume), std::move(locator), polynomials.components),
+        polynomials_(std::move(polynomials)),
+        radii_(std::move(radii)) {
+    index_ = SupportIndex(this->volume(), polynomials_.metrics.view(), radii_.view());
+    if (!this->volume().cell_sample.empty()) linear_.emplace(this->volume(), values, polynomials_);
+  }
+
+ private:
+  struct Lists final : Memory {
+    SupportTile tile;
+    SupportIndex::Memory found;
+    std::vector<SupportTerm> terms;
+    std::vector<float> coefficients;
+    std::vector<double> flat;  // of linear interpolation: components and the share, point after point
+    std::vector<Vec3> slopes;
+  };
+
+  std::unique_ptr<Memory> memory() const override { return std::make_unique<Lists>(); }
+  bool goes_on_straight() const override { return true; }
+
+  void answer(const Group& group, Memory& memory, const PolynomialAnswers& wanted) const override {
+    static_assert(SupportTile::kTile == kMostPoints);
+    Lists& lists = static_cast<Lists&>(memory);
+    SupportTile& tile = lists.tile;
+    const std::size_t n = group.size, c = components();
+    const bool gradient = !wanted.gradients.empty();
+    // All of this depends on the cell alone, so that answers do not depend on the points that share it.
+    const Vec3 origin = index_.of_cell(group.cell, lists.found);
+    const std::vector<std::uint32_t>& supports = lists.found.supports;
+    const std::uint32_t own = lists.found.own;
+
+    constexpr std::size_t kRow = 16;
+    const std::size_t filled = (n + kRow - 1) / kRow * kRow;
+    for (std::size_t i = 0; i < filled; ++i) {
+      const Vec3 d = group.x[std::min(i, n - 1)] - origin;
+      for (std::size_t k = 0; k < 3; ++k) tile.x[k][i] = static_cast<float>(d[k]);
+    }
+    const bool shared = linear_ && linear_->has(group.cell.cell);
+    if (shared) {
+      lists.flat.resize(n * (c + 1)), lists.slopes.resize(gradient ? n * (c + 1) : 0);
+      for (std::size_t i = 0; i < n; ++i)
+        linear_->evaluate(*group.places[i], group.x[i], std::span(lists.flat).subspan(i * (c + 1), c + 1),
+                          gradient ? std::span(lists.slopes).subspan(i * (c + 1), c + 1) : std::span<Vec3>());
+    }
+    const auto slots = static_cast<std::size_t>(monomial_count(3, LocalPolynomials::kMaxDegree) - 1);
+    lists.terms.resize(supports.size());
+    for (std::size_t m = 0; m < c; ++m) {
+      const double base = polynomials_.constants[own * c + m];
+      lists.coefficients.resize(supports.size() * slots);
+      for (std::size_t s = 0; s < supports.size(); ++s) {
+        const std::size_t i = supports[s];
+        SupportTerm& term = lists.terms[s];
+        term.center = Vec3f(volume().position(i) - origin);
+        term.metric = polynomials_.metric(volume(), i);
+        term.inverse_square = 1 / (radii_[i] * radii_[i]);
+        term.degree = polynomials_.degrees[i];
+        term.constant = static_cast<float>(polynomials_.constants[i * c + m] - base);
+        const auto of = polynomials_.of(i, m);
+        term.coefficients = of.data();
+        if (const float trust = polynomials_.trust[i]; trust < 1 && of.size() > 3) {
+          float* scaled = lists.coefficients.data() + s * slots;
+          for (std::size_t j = 0; j < of.size(); ++j) scaled[j] = j < 3 ? of[j] : trust * of[j];
+          term.coefficients = scaled;
+        }
+      }
+      detail::sum_supports(lists.terms.data(), lists.terms.size(), filled, gradient, tile);
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t to = group.to[i] * c + m;
+        const float divisor = tile.weight[i];
+        if (!(divisor > kNoSupport)) {
+          if (!wanted.values.empty()) wanted.values[to] = base;
+          if (gradient) wanted.gradients[to] = {};
+          continue;
+        }
+        const float value = tile.value[i] / divisor;
+        const double fitted = base + static_cast<double>(value);
+        const double* flat = shared ? lists.flat.data() + i * (c + 1) : nullptr;
+        if (!wanted.values.empty()) wanted.values[to] = shared ? fitted + flat[c] * (flat[m] - fitted) : fitted;
+        if (!gradient) continue;
+        Vec3 g;
+        for (std::size_t k = 0; k < 3; ++k)
+          g[k] = static_cast<double>((tile.value_slope[k][i] - value * tile.weight_slope[k][i]) / divisor);
+        if (shared) {
+          const Vec3* slopes = lists.slopes.data() + i * (c + 1);
+          g = g + (slopes[m] - g) * flat[c] + slopes[c] * (flat[m] - fitted);
+        }
+        wanted.gradients[to] = g;
+      }
+    }
+    if (wanted.degrees.empty()) return;
+    for (std::size_t i = 0; i < n; ++i) wanted.degrees[group.to[i]] = polynomials_.degrees[own];
+  }
+
+  LocalPolynomials polynomials_;
+  SharedArray<float> radii_;
+  SupportIndex index_;
+  std::optional<LinearShare> linear_;
+};
+
+}  // namespace
+
+std::vector<float> support_radii(const SampledVolume& volume, const LocalPolynomials& polynomials, double reach) {
+  std::vector<float> radii(volume.size(), static_cast<float>(1.05 * reach));
+  if (volume.lattice) {
+    std::fill(radii.begin(), radii.end(), static_cast<float>(std::sqrt(3.0) * 1.05 * reach));
+    return radii;
+  }
+  const Adjacency cells = cells_of_samples(volume);
+  parallel_for(0, radii.size(), 1024, [&](std::size_t i) {
+    const StarMetric metric = polynomials.metric(volume, i);
+    double farthest = 0;
+    for (const std::uint32_t cell : cells[i])
+      for (const std::uint32_t k : volume.cells[cell])
+        farthest = std::max(farthest, norm(metric(volume.corner(k) - volume.positions[i])));
+    const double least = volume.cell_sample.empty() ? 1.05 * farthest : farthest / 0.7;
+    radii[i] = std::max(radii[i], static_cast<float>(reach * least));
+  });
+  return radii;
+}
+
+std::unique_ptr<VolumeField> make_support_blend(std::shared_ptr<const SampledVolume> volume,
+                                                std::shared_ptr<const VolumeLocator> locator,
+                                                LocalPolynomials polynomials, SharedArray<float> radii,
+                                                const VolumeValues& values) {
+  return std::make_unique<SupportBlend>(std::move(volume), std::move(locator), std::move(polynomials), std::move(radii),
+                                        values);
+}
+
+}  // namespace sansmesh::inline v1

@@ -1,0 +1,179 @@
+#include "sansmesh/volume/samples/axis_weights.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "sansmesh/core/index_in.h"
+#include "sansmesh/volume/cells/axis_interval.h"
+
+namespace sansmesh::inline v1::detail {
+namespace {
+
+constexpr int kSincReach = 4;  ///< steps to either side
+
+}  // namespace
+
+CubicAxis::CubicAxis(std::span<const double> knots, bool uniform, double b, double c)
+    : knots_(knots.begin(), knots.end()), value_(knots.size()), slope_(knots.size()) {
+  const std::size_t n = knots_.size();
+  if (uniform) inverse_step_ = static_cast<double>(n - 1) / (knots_.back() - knots_.front());
+  const double steep = b + 2 * c;
+  if (n == 2) {
+    const double s = 1 / (knots_[1] - knots_[0]);
+    value_ = {{1, 0, 0}, {0, 1, 0}};
+    slope_.assign(2, {-s * steep, s * steep, 0});
+    return;
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t first = base(i), at = i - first;
+    const double h0 = knots_[first + 1] - knots_[first], h1 = knots_[first + 2] - knots_[first + 1], h = h0 + h1;
+    // The slope of the parabola at its middle sample, and half its second derivative, the divided difference.
+    const std::array<double, 3> middle{-h1 / (h0 * h), (h1 - h0) / (h0 * h1), h0 / (h1 * h)};
+    const std::array<double, 3> second{1 / (h0 * h), -1 / (h0 * h1), 1 / (h1 * h)};
+    const double t = at == 0 ? -h0 : at == 2 ? h1 : 0;
+    for (std::size_t j = 0; j < 3; ++j) {
+      slope_[i][j] = steep * (middle[j] + 2 * t * second[j]);
+      value_[i][j] = (j == at ? 1 : 0) + (at == 1 ? b / 6 * 2 * h0 * h1 * second[j] : 0);
+    }
+  }
+}
+
+void CubicAxis::weights(double x, AxisWeights& out) const {
+  const std::size_t n = knots_.size();
+  std::size_t i;
+  if (inverse_step_ > 0) {
+    const double t = (x - knots_[0]) * inverse_step_;
+    i = t > 0 ? std::min(static_cast<std::size_t>(t), n - 2) : 0;  // what rounding moves meets the next piece smoothly
+  } else {
+    i = interval_of(knots_, false, x);
+  }
+  const double h = knots_[i + 1] - knots_[i], u = (x - knots_[i]) / h;
+  double v0, v1, s0, s1, dv0, dv1, ds0, ds1;  // of values and slopes at both ends
+  if (u < 0) {
+    v0 = 1, v1 = 0, s0 = u * h, s1 = 0, dv0 = dv1 = 0, ds0 = 1, ds1 = 0;
+  } else if (u > 1) {
+    v0 = 0, v1 = 1, s0 = 0, s1 = (u - 1) * h, dv0 = dv1 = 0, ds0 = 0, ds1 = 1;
+  } else {
+    const double w = 1 - u;
+    v1 = u * u * (3 - 2 * u), v0 = 1 - v1;
+    s0 = h * u * w * w, s1 = -h * u * u * w;
+    dv1 = 6 * u * w / h, dv0 = -dv1;
+    ds0 = w * (1 - 3 * u), ds1 = u * (3 * u - 2);
+  }
+  const std::size_t b0 = base(i), b1 = base(i + 1), shift = b1 - b0;
+  out.first = n > kCount ? std::min(b0, n - kCount) : 0;
+  out.count = std::min(n, kCount);
+  const std::size_t at = b0 - out.first;
+  const auto &a = value_[i], &b = value_[i + 1], &c = slope_[i], &d = slope_[i + 1];
+  double value[kCount + 2] = {}, slope[kCount + 2] = {};  // three from `at`, three from `at + shift`, both 0 or 1
+  for (std::size_t j = 0; j < 3; ++j) {
+    value[at + j] = v0 * a[j] + s0 * c[j];
+    slope[at + j] = dv0 * a[j] + ds0 * c[j];
+  }
+  for (std::size_t j = 0; j < 3; ++j) {
+    value[at + shift + j] += v1 * b[j] + s1 * d[j];
+    slope[at + shift + j] += dv1 * b[j] + ds1 * d[j];
+  }
+  for (std::size_t j = 0; j < kCount; ++j) out.value[j] = value[j], out.slope[j] = slope[j];
+}
+
+SincAxis::SincAxis(std::span<const double> knots)
+    : start_(knots.front()),
+      step_((knots.back() - knots.front()) / static_cast<double>(knots.size() - 1)),
+      count_(knots.size()) {}
+
+void SincAxis::weights(double x, AxisWeights& out) const {
+  constexpr double kPi = std::numbers::pi;
+  const auto n = static_cast<std::ptrdiff_t>(count_);
+  const double at = (x - start_) / step_;
+  const auto i = index_in<std::ptrdiff_t>(at, 0, n - 2);
+  const std::ptrdiff_t first = std::clamp<std::ptrdiff_t>(i - kSincReach + 1, 0, std::max<std::ptrdiff_t>(0, n - 8));
+  out.first = static_cast<std::size_t>(first);
+  out.count = static_cast<std::size_t>(std::min<std::ptrdiff_t>(n, 8));
+  out.value.fill(0), out.slope.fill(0);
+  double value[2 * kSincReach], slope[2 * kSincReach], sum = 0, slopes = 0;
+  for (int j = 0; j < 2 * kSincReach; ++j) {
+    const double t = at - static_cast<double>(i + j - kSincReach + 1);
+    value[j] = slope[j] = 0;
+    if (std::abs(t) < kSincReach) {
+      const double p = kPi * t, q = p / kSincReach, window = 1 + std::cos(q), small = p * p;
+      const double sinc = std::abs(t) < 1e-3 ? 1 - small / 6 * (1 - small / 20) : std::sin(p) / p;
+      const double fall = std::abs(t) < 1e-3 ? -kPi * p / 3 * (1 - small / 10) : (std::cos(p) - sinc) / t;
+      value[j] = window * sinc;
+      slope[j] = window * fall - kPi / kSincReach * std::sin(q) * sinc;
+    }
+    sum += value[j], slopes += slope[j];
+  }
+  const auto add = [&](std::ptrdiff_t sample, double v, double s) {
+    out.value[static_cast<std::size_t>(sample - first)] += v;
+    out.slope[static_cast<std::size_t>(sample - first)] += s;
+  };
+  for (int j = 0; j < 2 * kSincReach; ++j) {
+    const double v = value[j] / sum, s = (slope[j] - v * slopes) / (sum * step_);
+    const std::ptrdiff_t sample = i + j - kSincReach + 1;
+    const std::ptrdiff_t beyond = sample < 0 ? -sample : sample >= n ? sample - (n - 1) : 0;
+    if (beyond == 0) {
+      add(sample, v, s);
+      continue;
+    }
+    // f(end + k) = 2 f(end) − f(end − k); where there is none, straight on: f(end) + k (f(end) − f(before)).
+    const std::ptrdiff_t end = sample < 0 ? 0 : n - 1, inward = sample < 0 ? 1 : -1;
+    if (beyond < n) {
+      add(end, 2 * v, 2 * s);
+      add(end + inward * beyond, -v, -s);
+    } else {
+      const auto k = static_cast<double>(beyond);
+      add(end, (1 + k) * v, (1 + k) * s);
+      add(end + inward, -k * v, -k * s);
+    }
+  }
+}
+
+LagrangeAxis::LagrangeAxis(std::span<const double> knots, bool uniform, int degree)
+    : knots_(knots.begin(), knots.end()),
+      uniform_(uniform),
+      degree_(std::min(static_cast<std::size_t>(degree), knots.size() - 1)) {}
+
+void LagrangeAxis::polynomial(std::size_t first, double x, double* value, double* slope) const {
+  for (std::size_t j = 0; j <= degree_; ++j) {
+    double product = 1, derivative = 0;
+    for (std::size_t k = 0; k <= degree_; ++k) {
+      if (k == j) continue;
+      const double over = 1 / (knots_[first + j] - knots_[first + k]);
+      derivative = (derivative * (x - knots_[first + k]) + product) * over;
+      product *= (x - knots_[first + k]) * over;
+    }
+    value[j] = product, slope[j] = derivative;
+  }
+}
+
+void LagrangeAxis::weights(double x, AxisWeights& out) const {
+  const std::size_t n = knots_.size(), i = interval_of(knots_, uniform_, x), most = n - 1 - degree_;
+  const auto window = [&](std::size_t before) { return i < before ? 0 : std::min(i - before, most); };
+  out.value.fill(0), out.slope.fill(0);
+  if (degree_ % 2 == 1) {
+    out.first = window(degree_ / 2);
+    out.count = degree_ + 1;
+    polynomial(out.first, x, out.value.data(), out.slope.data());
+    return;
+  }
+  const std::size_t left = window(degree_ / 2), right = window(degree_ / 2 - 1);
+  out.first = left;
+  out.count = right - left + degree_ + 1;
+  const double h = knots_[i + 1] - knots_[i], u = std::clamp((x - knots_[i]) / h, 0.0, 1.0);
+  const double du = x > knots_[i] && x < knots_[i + 1] ? 1 / h : 0;
+  double value[kMostAxisWeights], slope[kMostAxisWeights];
+  polynomial(left, x, value, slope);
+  for (std::size_t j = 0; j <= degree_; ++j) {
+    out.value[j] += (1 - u) * value[j];
+    out.slope[j] += (1 - u) * slope[j] - du * value[j];
+  }
+  polynomial(right, x, value, slope);
+  for (std::size_t j = 0; j <= degree_; ++j) {
+    out.value[right - left + j] += u * value[j];
+    out.slope[right - left + j] += u * slope[j] + du * value[j];
+  }
+}
+
+}  // namespace sansmesh::inline v1::detail
