@@ -7,9 +7,10 @@
 #include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string_view>
 
-#include "sansmesh/core/json_fields-inl.h"
+#include "sansmesh/core/json_text-inl.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/core/read_text.h"
 #include "sansmesh/error.h"
@@ -17,7 +18,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-using HandleJson = detail::OrderedJson;
+using HandleJson = nlohmann::ordered_json;
 
 /// Errors name the file, the handle and the key.
 struct HandlePlace {
@@ -30,11 +31,12 @@ struct HandlePlace {
 };
 
 void check_keys(const HandleJson& json, std::initializer_list<std::string_view> known, const HandlePlace& at) {
-  try {
-    detail::check_known_keys(json, known, "");
-  } catch (const ArgumentError& error) {
-    at.fail(error.what());
-  }
+  for (const auto& [key, value] : json.items())
+    if (std::find(known.begin(), known.end(), key) == known.end()) {
+      std::string all;
+      for (const std::string_view k : known) all += (all.empty() ? "" : ", ") + std::string(k);
+      at.fail(fmt::format("unknown key '{}'; known: {}", printable(key, 40), all));
+    }
 }
 
 double handle_number(const HandleJson& json, const char* key, const HandlePlace& at) {
@@ -131,7 +133,15 @@ std::vector<Handle> handles_of_json(const std::string& text, const std::string& 
   const HandlePlace file{name, {}};
   HandleJson json;
   try {
-    json = detail::parse_json_once(text);
+    // Of two keys in an object the last would win, silently.
+    std::vector<std::set<std::string>> keys;
+    json = detail::parse_json<HandleJson>(text, [&](int, HandleJson::parse_event_t event, HandleJson& value) {
+      if (event == HandleJson::parse_event_t::object_start) keys.emplace_back();
+      if (event == HandleJson::parse_event_t::object_end) keys.pop_back();
+      if (event == HandleJson::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
+        file.fail(fmt::format("key '{}' stands twice in an object", printable(value.get<std::string>(), 40)));
+      return true;
+    });
   } catch (const ArgumentError& error) {
     file.fail(error.what());
   }

@@ -341,7 +341,7 @@ class SceneReader {
 }  // namespace
 
 SceneScript parse_scene_script(const std::string& text, const SceneVertices& vertices, bool z_up) {
-  return SceneReader(vertices, z_up).read(detail::parse_json_once(text, true));
+  return SceneReader(vertices, z_up).read(detail::parse_scene_json(text));
 }
 
 std::string_view word_of(SoftBodyModel model) { return kModelWords[static_cast<std::size_t>(model)]; }

@@ -91,7 +91,7 @@ TEST(HandleFile, SaysWhichHandleAndWhichKeyIsWrong) {
          "after": [[1,0,0],[0,1,0],[0,0,-1]]}}]})",
        {"right-handed"}},
       {R"({"handles": [{"p": [1e999,0,0]}]})", {"too large"}},
-      {R"({"handles": [{"p": [0,0,0], "p": [1,0,0]}]})", {"'p' is given twice"}},
+      {R"({"handles": [{"p": [0,0,0], "p": [1,0,0]}]})", {"'p' stands twice"}},
       {"1,2,3,4,5,six\n", {"line 1"}},
       {"x,y\nu,v\n", {"line 2"}},
       {"1,2,3,4,5,6\n1,2,3\n", {"line 2", "3 numbers"}},

@@ -135,6 +135,7 @@ TEST(EditScript, WhatIsWrongIsNamed) {
       {step(R"({"degree":1,"select":{"coverage":[1,2]}})"), "step 2.select", "'coverage'"},
       {step(R"({"degree":1,"select":{"coverage":[1,2,3]}})"), "step 2.select", "coverage must lie in 0..2"},
       {step(R"({"degree":-1,"select":{}})"), "step 2", "'degree'"},
+      {step(R"({"degree":1.0,"select":{}})"), "step 2", "'degree'"},
       {step(R"({"degree":"1","select":{}})"), "step 2", "'degree'"},
       {step(R"({"degree":NaN,"select":{}})"), "not JSON", "line 1"},
       {step(R"({"degree":1e999,"select":{}})"), "number", "too large"},
