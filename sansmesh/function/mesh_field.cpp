@@ -209,14 +209,15 @@ struct MeshField::Parts {
       const Triangle& t = patches.triangles[h / 3];
       add(patches.curve[h], t[h % 3], t[(h % 3 + 1) % 3]);
     }
-    for (std::uint32_t v = 0; v < patches.place.size(); ++v)
-      if (patches.place[v] != MeshPatches::kSmooth && patches.place[v] >= patches.curves) add(patches.place[v], v, v);
+    for (std::uint32_t v = 0; v < patches.feature.size(); ++v)
+      if (patches.feature[v] != MeshPatches::kSmooth && patches.feature[v] >= patches.curves)
+        add(patches.feature[v], v, v);
     for (const TriangleMesh& m : lines) curves.emplace_back(m);
   }
 
   /// The piece of the closest crease or corner without its side; kSmooth elsewhere.
-  std::uint32_t place_of(const Foot& foot) const {
-    if (const int k = corner_of(foot.part); k >= 0) return patches.place[patches.triangles[foot.triangle][k]];
+  std::uint32_t feature_of(const Foot& foot) const {
+    if (const int k = corner_of(foot.part); k >= 0) return patches.feature[patches.triangles[foot.triangle][k]];
     if (const int k = edge_of(foot.part); k >= 0)
       return patches.curve[3 * foot.triangle + static_cast<std::uint32_t>(k)];
     return MeshPatches::kSmooth;
@@ -261,8 +262,8 @@ struct MeshField::Parts {
                                       dot(cross(b - a, foot.point - a), n) / area};
     Vec3 sum;
     for (std::size_t k = 0; k < 3; ++k)
-      sum += normalized(patches.place[t[k]] == MeshPatches::kSmooth ? vertex_normal[t[k]]
-                                                                    : normal_at(t[k], patches.patch[foot.triangle])) *
+      sum += normalized(patches.feature[t[k]] == MeshPatches::kSmooth ? vertex_normal[t[k]]
+                                                                      : normal_at(t[k], patches.patch[foot.triangle])) *
              std::max(0.0, share[k]);
     return sum;
   }
@@ -279,7 +280,7 @@ struct MeshField::Parts {
     const double distance = norm(away), side = dot(away, normal);
     if (gradient) {
       *gradient = distance > 1e-9 * sharp ? away * ((side < 0 ? -1 : 1) / distance) : normalized(normal);
-      if (smooth && place_of(foot) == MeshPatches::kSmooth) {
+      if (smooth && feature_of(foot) == MeshPatches::kSmooth) {
         const Vec3 mean = normalized(smooth_normal(foot));
         if (dot(mean, *gradient) > kAlike) *gradient = mean;
       }
@@ -309,10 +310,10 @@ struct MeshField::Parts {
   }
 
   std::uint32_t piece_at(const Vec3& query, const Foot& foot, double value) const {
-    const std::uint32_t place = place_of(foot);
-    if (place == MeshPatches::kSmooth) return patches.patch[foot.triangle];
+    const std::uint32_t feature = feature_of(foot);
+    if (feature == MeshPatches::kSmooth) return patches.patch[foot.triangle];
     if (!rounded || std::abs(value) <= sharp) return patch_at(query, foot, value);
-    return patches.patches + 2 * place + (value < 0 ? 1 : 0);
+    return patches.patches + 2 * feature + (value < 0 ? 1 : 0);
   }
 
   /// Values at all points, and their feet; gradients unless that span is empty. Calls body(i, query, foot) for each.
@@ -379,10 +380,10 @@ void MeshField::evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std
     if (!gradients.empty()) gradients[i] = gradient;
   };
   if (piece >= all.patches.patches) {
-    const std::uint32_t place = (piece - all.patches.patches) / 2;
+    const std::uint32_t feature = (piece - all.patches.patches) / 2;
     const double sign = (piece - all.patches.patches) % 2 ? -1 : 1;
     for (std::size_t i = 0; i < x.size(); ++i) {
-      const Vec3 query = x[i] - all.mesh.origin, away = query - all.curves[place].closest(query).point;
+      const Vec3 query = x[i] - all.mesh.origin, away = query - all.curves[feature].closest(query).point;
       const double distance = norm(away);
       put(i, sign * distance, distance > 0 ? away * (sign / distance) : Vec3{});
     }
@@ -400,7 +401,7 @@ void MeshField::evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std
     hit = patch.faces->closest(query, hit);
     const Foot foot = all.locate(hit, patch.triangles[hit.triangle], query);
     Vec3 gradient;
-    if (all.place_of(foot) == MeshPatches::kSmooth) {
+    if (all.feature_of(foot) == MeshPatches::kSmooth) {
       const double value = all.value_at(query, foot, &gradient);
       put(i, value, gradient);
       continue;
@@ -419,7 +420,7 @@ void MeshField::survey(std::span<const Vec3> x, const SurveyReach&, std::span<do
   all.for_feet(x, values, {}, [&](std::size_t i, const Vec3& query, const Foot& foot) {
     around[i] = {};
     const std::uint32_t piece = all.piece_at(query, foot, values[i]);
-    if (piece >= all.all.size() || !all.all[piece].others || all.place_of(foot) != MeshPatches::kSmooth) return;
+    if (piece >= all.all.size() || !all.all[piece].others || all.feature_of(foot) != MeshPatches::kSmooth) return;
     // Another patch at twice the distance cannot become the closest before half-way.
     const double other = std::sqrt(all.all[piece].others->closest(query).squared_distance);
     around[i] = {std::max(0.0, (other - std::abs(values[i])) / 2), std::numeric_limits<double>::infinity()};

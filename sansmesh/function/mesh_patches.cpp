@@ -177,10 +177,10 @@ void PatchFinder::number() {
   p.patches = number_sets(faces_, p.patch);
   for (std::uint32_t& c : p.curve)
     if (c != MeshPatches::kSmooth) c = chain_[c];
-  p.place.assign(mesh_.vertices.size(), MeshPatches::kSmooth);
+  p.feature.assign(mesh_.vertices.size(), MeshPatches::kSmooth);
   for (std::uint32_t v = 0; v < count_.size(); ++v) {
-    if (count_[v] == 2) p.place[v] = chain_[first_[v]];
-    if (count_[v] == 1 || count_[v] > 2) p.place[v] = p.curves + p.corners++;
+    if (count_[v] == 2) p.feature[v] = chain_[first_[v]];
+    if (count_[v] == 1 || count_[v] > 2) p.feature[v] = p.curves + p.corners++;
   }
 }
 

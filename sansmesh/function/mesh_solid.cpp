@@ -73,7 +73,7 @@ void warn_of_crossings(const TriangleMesh& mesh, std::vector<std::string>& warni
                   counted(crossing.size(), "place"), at.x, at.y, at.z, kRemedy));
 }
 
-void turn_over(TriangleMesh& mesh) {
+void reverse_orientation(TriangleMesh& mesh) {
   for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
 }
 
@@ -131,7 +131,7 @@ Solid mesh_solid(TriangleMesh given, bool rounded, std::vector<std::string>& war
                                    e.open == 1 ? "1 edge is" : grouped(e.open) + " edges are", counted(holes, "hole")));
   }
   if (measure_size(mesh).volume < 0) {
-    turn_over(mesh);
+    reverse_orientation(mesh);
     warnings.push_back("its faces point inward: reversed");
   }
   if (const double inside = share_inside(mesh); inside > kMostInside)

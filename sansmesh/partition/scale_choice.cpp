@@ -282,7 +282,7 @@ void spread_noise(const BlockFitter& fitter, ScaleChoice& choice) {
 /// Returns the evenness of the noise: its standard deviation at the lowest tenth over the median.
 double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
   double evenness = 0;
-  std::optional<int> told;  // last level with an estimate
+  std::optional<int> level_of_estimate;  // the last one
   for (;; --choice.finest) {
     pool_noise(fitter, choice);
     const std::vector<Trial>& trials = choice.trials[static_cast<std::size_t>(choice.finest)];
@@ -298,7 +298,7 @@ double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
     if (known >= kKnownNoise * static_cast<double>(fitter.tree.positions().size())) {
       const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
       std::nth_element(noises.begin(), middle, noises.end());
-      told = choice.finest;
+      level_of_estimate = choice.finest;
       choice.variance = *middle;
       const auto low = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / kLowestTenth);
       std::nth_element(noises.begin(), low, middle + 1);
@@ -307,7 +307,7 @@ double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
       if (std::sqrt(choice.variance) < most * fitter.fit_radius(choice.finest)) break;
     }
     if (choice.finest <= 2) {
-      choice.finest = told.value_or(choice.finest);
+      choice.finest = level_of_estimate.value_or(choice.finest);
       break;
     }
   }

@@ -47,7 +47,7 @@ BilateralNormals::BilateralNormals(const SurfaceSamples& samples, const Bilatera
   if (laguerre)
     for (float& w : widths) w /= static_cast<float>(std::sqrt(options.epsilon));
   state->candidates = detail::Candidates(samples, widths, weights, default_reach(samples));
-  if (gaussian) state->candidates.count_alike();
+  if (gaussian) state->candidates.equalize_areas();
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double height = options.height.value_or(kHeightOverSpacing * static_cast<double>(samples.spacing[i]) +
                                                   kHeightOverNoise * samples.noise);

@@ -65,7 +65,7 @@ Candidates::Candidates(const SurfaceSamples& samples, const std::vector<float>& 
   bounds_ = {Vec3(box.lower), Vec3(box.upper)};
 }
 
-void Candidates::count_alike() {
+void Candidates::equalize_areas() {
   for (Candidate& c : candidates_) c.weight = 1;
 }
 

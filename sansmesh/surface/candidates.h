@@ -30,7 +30,7 @@ class Candidates {
   Candidates(const SurfaceSamples& samples, const std::vector<float>& widths, SurfaceWeights weights, double reach);
 
   /// Gives all samples the same weight, regardless of their area.
-  void count_alike();
+  void equalize_areas();
   /// Access for further data that the kernels need of each sample; positions are relative to the cloud's origin.
   std::vector<Candidate>& all() { return candidates_; }
   const Box3& bounds() const { return bounds_; }

@@ -235,7 +235,7 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
   state->candidates = detail::Candidates(samples, widths, amls ? SurfaceWeights::gaussian : options.weights,
                                          options.reach.value_or(default_reach(samples)));
   const std::size_t n = samples.size();
-  if (gaussian) state->candidates.count_alike();
+  if (gaussian) state->candidates.equalize_areas();
   const bool crowds = gaussian && options.method == ImplicitMethod::kolluri;
   const std::vector<float> shares = crowds ? shares_of_crowds(samples, widths) : std::vector<float>{};
   for (std::size_t i = 0; i < n; ++i) {

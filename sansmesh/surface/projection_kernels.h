@@ -24,16 +24,16 @@ struct ProjectionKernel {
   bool diffusion = true, hard = false;
   float threshold = 1;
   int tau = 2;  ///< curvature: exponent of the M-like weights, 1..3
-  // Options of project_group_by_source only.
+  // Options of project_group_as_published only.
   SurfaceFlow flow = SurfaceFlow::fit;  ///< curvature: step onto the surface
   bool nonlinear = false;               ///< levin: plane by minimisation
   int degree = 2;                       ///< levin, alexa: degree of the polynomial, 1..4
   bool incomplete = false;              ///< levin, alexa: polynomial [x², y², xy, 1]
 
-  bool by_source() const { return flow != SurfaceFlow::fit || nonlinear || degree != 2 || incomplete; }
+  bool as_published() const { return flow != SurfaceFlow::fit || nonlinear || degree != 2 || incomplete; }
 };
 
-/// For kernels that are not by_source(). Only lanes with inside > 0 hold a foot point.
+/// For kernels that are not as_published(). Only lanes with inside > 0 hold a foot point.
 void project_group(const ProjectionKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
                    GroupFeet& out);
 

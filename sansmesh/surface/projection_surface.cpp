@@ -10,7 +10,7 @@
 #include "sansmesh/surface/feet_of_groups.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "sansmesh/surface/projection_kernels.h"
-#include "sansmesh/surface/source_projection.h"
+#include "sansmesh/surface/published_projection.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -68,7 +68,7 @@ ProjectionSurface make_projection_surface(SurfaceSamples samples, const Projecti
       detail::weight_widths(samples, state->smoothing, options.bandwidth, options.weights);
   state->candidates =
       detail::Candidates(samples, widths, options.weights, options.reach.value_or(default_reach(samples)));
-  if (gaussian) state->candidates.count_alike();
+  if (gaussian) state->candidates.equalize_areas();
   state->kernel = {options.method,
                    options.separate_sheets,
                    gaussian,
@@ -96,8 +96,8 @@ void ProjectionSurface::project(std::span<const Vec3> x, std::span<FootPoint> fe
                              detail::GroupFeet& out) {
                            detail::ProjectionKernel how = state_->kernel;
                            how.sheets = how.sheets && mixed;
-                           if (how.by_source())
-                             detail::project_group_by_source(how, chosen, group, out);
+                           if (how.as_published())
+                             detail::project_group_as_published(how, chosen, group, out);
                            else
                              detail::project_group(how, chosen, group, out);
                          });

@@ -7,7 +7,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/surface/projection_surface.h"
-#include "sansmesh/surface/source_projection.h"
+#include "sansmesh/surface/published_projection.h"
 #include "source_references.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"

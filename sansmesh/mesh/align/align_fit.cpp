@@ -136,7 +136,8 @@ bool alike_normals(const Vec3& a, const Vec3& b, bool signs) {
 }
 
 template <class Surface>
-FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pose& start, const FitOptions& options) {
+FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pose& start,
+                   const PoseFitOptions& options) {
   FitResult result;
   result.pose = start;
   double reach = options.reach > 0 ? options.reach : 1.5 * distance_of_most(moving, fixed, start);
@@ -165,8 +166,8 @@ FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pos
   result.reach = reach;
   return result;
 }
-template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Pose&, const FitOptions&);
-template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Pose&, const FitOptions&);
+template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Pose&, const PoseFitOptions&);
+template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Pose&, const PoseFitOptions&);
 
 template <class Surface>
 double share_on(const OrientedPoints& moving, const Surface& fixed, const Pose& pose, double reach, bool signs) {

@@ -10,7 +10,7 @@
 
 namespace sansmesh::inline v1::detail {
 
-struct FitOptions {
+struct PoseFitOptions {
   int iterations = 40;
   double reach = 0;        ///< farthest distance that counts at first (0: what holds most of the samples)
   double least_reach = 0;  ///< and at last
@@ -37,9 +37,10 @@ bool alike_normals(const Vec3& a, const Vec3& b, bool signs);
 /// Gauss and Newton's steps on the distances to the surface's tangent planes, by Tukey's weights.
 /// `closest(place, reach, foot)` finds the surface: a SampleSurface or a WholeSurface.
 template <class Surface>
-FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pose& start, const FitOptions& options);
-extern template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Pose&, const FitOptions&);
-extern template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Pose&, const FitOptions&);
+FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Pose& start,
+                   const PoseFitOptions& options);
+extern template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Pose&, const PoseFitOptions&);
+extern template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Pose&, const PoseFitOptions&);
 
 /// How well samples lie on a surface: the mean over all of (1 − (distance / reach)²)², of those that do.
 template <class Surface>

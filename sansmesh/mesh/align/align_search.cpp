@@ -221,7 +221,7 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
   {
     std::vector<FoundPose> turned(kRotations + 4);
     const std::vector<Pose> principal = principal_rotations(samples.moving, samples.fixed);
-    FitOptions fit;
+    PoseFitOptions fit;
     fit.iterations = 8;
     fit.least_reach = kCoarseReach * spacing;
     fit.signs = samples.signs;
@@ -254,7 +254,7 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
   }
 
   progress.begin("try the best of them", found.size());
-  FitOptions fit;
+  PoseFitOptions fit;
   fit.iterations = 25;
   fit.reach = 2 * kCoarseReach * spacing;
   fit.least_reach = kFineReach * spacing;

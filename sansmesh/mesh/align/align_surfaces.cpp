@@ -16,11 +16,11 @@ namespace sansmesh::inline v1 {
 namespace {
 
 using detail::AlignSide;
-using detail::FitOptions;
 using detail::FitResult;
 using detail::FoundPose;
 using detail::OrientedPoints;
 using detail::Pose;
+using detail::PoseFitOptions;
 using detail::SearchSamples;
 
 /// Both surfaces lie on each other to this share: no need to look elsewhere.
@@ -69,7 +69,7 @@ std::vector<double> left_between(const OrientedPoints& samples, const detail::Wh
 /// To the surface itself, first with few samples, then with all.
 FitResult fit_closely(const OrientedPoints& few, const OrientedPoints& many, const detail::WholeSurface& fixed,
                       const Pose& start, double reach, const SurfaceAlignmentOptions& options, bool signs) {
-  FitOptions fit;
+  PoseFitOptions fit;
   fit.iterations = options.iterations;
   fit.reach = reach;
   fit.least_reach = kLeastReach;
@@ -184,7 +184,7 @@ SurfaceAlignment align(const TriangleMesh& moving_mesh, const TriangleMesh& fixe
     const std::vector<FoundPose> poses = detail::search_poses(moving, fixed, coarse, options.find_scale, progress);
     progress.begin("fit", kComparedPoses);
     std::vector<std::pair<FitResult, double>> tried;
-    FitOptions fit;
+    PoseFitOptions fit;
     fit.iterations = std::min(options.iterations, 30);
     fit.reach = 2 * coarse.spacing;
     fit.least_reach = kLeastReach;

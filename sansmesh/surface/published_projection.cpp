@@ -1,4 +1,4 @@
-#include "sansmesh/surface/source_projection.h"
+#include "sansmesh/surface/published_projection.h"
 
 #include <algorithm>
 #include <array>
@@ -256,8 +256,8 @@ Vec3 fit_directional_curvatures(std::span<const WeighedSample> samples, const Ve
   return Vec3{equations.b[0], equations.b[1], equations.b[2]} / width;
 }
 
-void project_group_by_source(const ProjectionKernel& kernel, std::span<const Candidate> candidates,
-                             const PointGroup& group, GroupFeet& out) {
+void project_group_as_published(const ProjectionKernel& kernel, std::span<const Candidate> candidates,
+                                const PointGroup& group, GroupFeet& out) {
   std::vector<WeighedSample> samples;
   std::vector<double> areas;
   for (std::size_t k = 0; k < kGroup; ++k) {
