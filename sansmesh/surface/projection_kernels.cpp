@@ -12,8 +12,6 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
-constexpr int kLevinSteps = 6;  // steps of the minimisation over plane and offset
-
 /// levin2003, alexa2003: a plane, then the weighted least-squares quadratic polynomial over it, about q.
 template <bool kGaussian>
 HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes& q, const Plane& plane, bool sheets,

@@ -16,6 +16,9 @@ enum class ProjectionMethod {
 
 namespace detail {
 
+/// Steps of the iteration to the plane of levin.
+constexpr int kLevinSteps = 6;
+
 struct ProjectionKernel {
   ProjectionMethod method = ProjectionMethod::curvature;
   bool sheets = false;    ///< samples that face away from those next to the point are ignored

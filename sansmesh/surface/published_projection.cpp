@@ -10,7 +10,6 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr int kIteratedSteps = 6;  // steps to Levin's plane, as in the kernels
 constexpr int kMostUnknowns = 15;  // degree 4
 /// A pivot below this share of its diagonal marks an unknown that the samples do not determine.
 constexpr double kDetermined = 1e-9;
@@ -149,7 +148,7 @@ Foot project(const ProjectionKernel& kernel, std::span<const WeighedSample> samp
   Vec3 n = least_squares_normal(plane);
   double t = dot(n, plane.mean - r);
   if (kernel.method == ProjectionMethod::levin) {
-    for (int k = 0; k < kIteratedSteps; ++k) {
+    for (int k = 0; k < kLevinSteps; ++k) {
       const MeanPlane next = mean_plane(samples, r + n * t);
       if (!(next.weights > 0)) break;
       plane = next;
