@@ -26,8 +26,8 @@ class ApproximateMls {
                  const ApproximateMlsOptions& options = {});
 
   /// Values, components() per point; `gradients`, empty or D per value: ∂/∂x_1 … ∂/∂x_D of component 0, then 1 …. Zero
-  /// farther than cutoff_radius() from all samples. `gradients` are exact derivatives of the values (of the branch that
-  /// max(S, 0.55 T) selects). Throws ArgumentError for spans of other lengths.
+  /// farther than the cut-off radius from all samples. `gradients` are exact derivatives of the values (of the branch
+  /// that max(S, 0.55 T) selects). Throws ArgumentError for spans of other lengths.
   void evaluate(std::span<const Position<D>> x, std::span<double> values, std::span<double> gradients = {}) const;
 
   /// g, components() per sample.
@@ -36,7 +36,6 @@ class ApproximateMls {
   std::span<const double> residuals() const { return residuals_; }
   std::size_t components() const { return components_; }
   double spacing() const { return spacing_; }
-  double cutoff_radius() const { return radius_; }
   const ApproximateMlsOptions& options() const { return options_; }
 
  private:

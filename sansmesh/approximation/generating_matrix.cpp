@@ -16,10 +16,7 @@ void check_options(const ApproximateMlsOptions& options, std::size_t samples, st
   if (options.iterations < 0) throw ArgumentError("approximation: the number of iterations must not be negative");
   if (!(options.cutoff > 0 && options.cutoff <= 0.1))
     throw ArgumentError("approximation: the cutoff must lie in (0, 0.1]");
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (!std::isfinite(values[i]))
-      throw DataError("approximation: the value of sample " + std::to_string(i / (values.size() / samples)) +
-                      " is not finite");
+  require_finite(values, values.size() / samples);
 }
 
 template <int D>

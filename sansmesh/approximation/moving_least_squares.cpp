@@ -34,9 +34,7 @@ MovingLeastSquares<D>::MovingLeastSquares(std::span<const Position<D>> positions
     throw ArgumentError("approximation: the weights must reach at least one neighbour");
   if (values.size() != positions.size()) throw ArgumentError("approximation: as many values as positions are needed");
   const OrthogonalFit<D> checked({options.rank_tolerance});
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (!std::isfinite(values[i]))
-      throw DataError("approximation: the value of sample " + std::to_string(i) + " is not finite");
+  require_finite(values);
   index_ = SampleIndex<D>(positions);
 
   const std::size_t n = positions.size();

@@ -14,7 +14,7 @@ namespace {
 // again.
 constexpr double kCancellation = 1e-4;
 
-void require_finite(std::span<const double> x, const char* what) {
+void check_finite(std::span<const double> x, const char* what) {
   double t = 0;
   for (const double v : x) t += v - v;  // 0, or NaN if any value is infinite or NaN
   if (t != 0) throw ArgumentError(std::string("approximation: ") + what + " that are not finite numbers");
@@ -34,10 +34,10 @@ void OrthogonalFit<D>::reset(const ApproximationSamples<D>& samples,
   const std::size_t n = samples.values.size();
   for (const auto& x : samples.positions) {
     if (x.size() != n) throw ArgumentError("approximation: as many positions as values are needed");
-    require_finite(x, "positions");
+    check_finite(x, "positions");
   }
-  require_finite(samples.values, "values");
-  require_finite(samples.weights, "weights");
+  check_finite(samples.values, "values");
+  check_finite(samples.weights, "weights");
   if (!samples.weights.empty()) {
     if (samples.weights.size() != n)
       throw ArgumentError("approximation: as many weights as values are needed, or none");
@@ -47,7 +47,7 @@ void OrthogonalFit<D>::reset(const ApproximationSamples<D>& samples,
   if (frame) {
     if (!(frame->scale > 0 && std::isfinite(frame->scale)))
       throw ArgumentError("approximation: the scale must be positive");
-    require_finite(frame->center, "centres");
+    check_finite(frame->center, "centres");
     frame_ = *frame;
   } else {
     frame_ = {};

@@ -99,7 +99,6 @@ class OrthogonalFit {
   /// Σ w_i (f_i − g(x_i))².
   double squared_error() const { return squared_error_; }
   double weight_sum() const { return weight_sum_; }
-  std::size_t sample_count() const { return count_; }
   const ApproximationFrame<D>& frame() const { return frame_; }
 
   /// g(x), by the recurrence. 0 before the first polynomial.

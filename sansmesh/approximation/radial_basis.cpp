@@ -20,9 +20,7 @@ template <int D>
 void check(std::span<const Position<D>> positions, std::span<const double> values, const RbfOptions& o) {
   if (values.size() != positions.size()) throw ArgumentError("approximation: as many values as positions are needed");
   if (positions.empty()) throw DataError("approximation: no samples");
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (!std::isfinite(values[i]))
-      throw DataError("approximation: the value of sample " + std::to_string(i) + " is not finite");
+  require_finite(values);
   const int order = RadialKernel(o.function).order();
   if (o.degree && (*o.degree < order - 1 || *o.degree > 2))
     throw ArgumentError("approximation: the polynomial of '" + std::string(name_of(o.function)) +
@@ -145,9 +143,10 @@ RbfInterpolant<D>::RbfInterpolant(std::span<const Position<D>> positions, std::s
     throw ArgumentError("approximation: " + std::to_string(x.size()) + " samples are too many for a dense system (" +
                         std::to_string(kMaxDense) + "): choose local systems or a function with compact support");
 
-  state_ = std::make_unique<State>(kernel);
+  const auto state = std::make_shared<State>(kernel);
+  state_ = state;
   if (report_.solver != RbfSolver::kLocal) {
-    auto& system = state_->systems.emplace_back();
+    auto& system = state->systems.emplace_back();
     system.tail = detail::make_tail<D>(x, degree);
     system.c.resize(x.size());
     if (report_.solver == RbfSolver::kDense) {
@@ -161,19 +160,19 @@ RbfInterpolant<D>::RbfInterpolant(std::span<const Position<D>> positions, std::s
       report_.iterations = result.iterations;
       report_.residual = result.residual;
     }
-    if (kernel.is_compact()) state_->index = std::move(index);
+    if (kernel.is_compact()) state->index = std::move(index);
     system.x = std::move(x);
     return;
   }
 
-  state_->cover = detail::RadialCover<D>(index, options.local_samples);
-  const std::size_t count = state_->cover.balls().size();
-  state_->systems.resize(count);
+  state->cover = detail::RadialCover<D>(index, options.local_samples);
+  const std::size_t count = state->cover.balls().size();
+  state->systems.resize(count);
   std::vector<detail::DenseResult> results(count);
   parallel_for(0, count, 1, [&](std::size_t s) {
-    auto& system = state_->systems[s];
+    auto& system = state->systems[s];
     std::vector<std::uint32_t> members;
-    state_->cover.members(s, index, members);
+    state->cover.members(s, index, members);
     std::vector<double> own;
     for (const std::uint32_t i : members) system.x.push_back(x[i]), own.push_back(f[i]);
     system.tail = detail::make_tail<D>(system.x, degree);
@@ -186,13 +185,6 @@ RbfInterpolant<D>::RbfInterpolant(std::span<const Position<D>> positions, std::s
     report_.added_ridge = std::max(report_.added_ridge, r.added_ridge);
   }
 }
-
-template <int D>
-RbfInterpolant<D>::~RbfInterpolant() = default;
-template <int D>
-RbfInterpolant<D>::RbfInterpolant(RbfInterpolant&&) noexcept = default;
-template <int D>
-RbfInterpolant<D>& RbfInterpolant<D>::operator=(RbfInterpolant&&) noexcept = default;
 
 template <int D>
 void RbfInterpolant<D>::evaluate(std::span<const Position<D>> x, std::span<double> values,

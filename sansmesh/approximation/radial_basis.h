@@ -69,9 +69,6 @@ class RbfInterpolant {
   /// 2^30 pairs of samples within the support, and if conjugate gradients do not reach the tolerance.
   RbfInterpolant(std::span<const Position<D>> positions, std::span<const double> values,
                  const RbfOptions& options = {});
-  ~RbfInterpolant();
-  RbfInterpolant(RbfInterpolant&&) noexcept;
-  RbfInterpolant& operator=(RbfInterpolant&&) noexcept;
 
   /// Values, and gradients on request (empty or one per point). NaN at points that are not finite. Throws ArgumentError
   /// for spans of other lengths.
@@ -84,7 +81,7 @@ class RbfInterpolant {
   struct State;
   RbfOptions options_;
   RbfReport report_;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<const State> state_;
 };
 
 extern template class RbfInterpolant<1>;

@@ -164,38 +164,83 @@ std::vector<double> dots(std::size_t c, std::span<const double> a, std::span<con
       });
 }
 
-}  // namespace
+/// Conjugate gradients for m interleaved right-hand sides b, preconditioned by Gᵀ G. Returns iterations and the largest
+/// relative residual.
+SparseResult conjugate_gradients(const Rows& a, const Rows& g, std::size_t m, std::span<const double> b,
+                                 double tolerance, int max_iterations, std::vector<double>& solution) {
+  const Rows gt = g.transposed();
+  std::vector<double> r(b.begin(), b.end()), z(b.size()), ap(b.size()), t(b.size());
+  solution.assign(b.size(), 0.0);
+  const std::vector<double> norm = dots(m, b, b);
+  const auto precondition = [&] {
+    g.multiply(m, r, t);
+    gt.multiply(m, t, z);
+  };
+  precondition();
+  std::vector<double> p = z, rz = dots(m, r, z);
+  SparseResult result;
+  const auto worst = [&] {
+    const std::vector<double> rr = dots(m, r, r);
+    double w = 0;
+    for (std::size_t k = 0; k < m; ++k)
+      if (norm[k] > 0) w = std::max(w, rr[k] / norm[k]);
+    return std::sqrt(w);
+  };
+  while ((result.residual = worst()) > tolerance && result.iterations < max_iterations) {
+    a.multiply(m, p, ap);
+    const std::vector<double> pap = dots(m, p, ap);
+    std::vector<double> alpha(m, 0.0);
+    for (std::size_t k = 0; k < m; ++k)
+      if (pap[k] > 0) alpha[k] = rz[k] / pap[k];
+    for (std::size_t i = 0; i < b.size(); i += m)
+      for (std::size_t k = 0; k < m; ++k) {
+        solution[i + k] += alpha[k] * p[i + k];
+        r[i + k] -= alpha[k] * ap[i + k];
+      }
+    precondition();
+    const std::vector<double> next = dots(m, r, z);
+    for (std::size_t i = 0; i < b.size(); i += m)
+      for (std::size_t k = 0; k < m; ++k) p[i + k] = z[i + k] + (rz[k] > 0 ? next[k] / rz[k] : 0) * p[i + k];
+    rz = next;
+    ++result.iterations;
+  }
+  return result;
+}
 
+/// Throws DataError if the matrix of this kernel would have more than kMaxEntries entries, estimated at some samples.
 template <int D>
-SparseResult solve_sparse(const RadialKernel& kernel, double ridge, const SampleIndex<D>& samples,
-                          std::span<const double> f, double tolerance, int max_iterations, PolynomialTail<D>& tail,
-                          std::span<double> c) {
-  using Hit = typename SampleIndex<D>::Hit;
-  const std::size_t n = samples.size();
-  const std::span<const Position<D>> x = samples.positions();
-
-  std::vector<Hit> probe;
+void check_entries(const RadialKernel& kernel, const SampleIndex<D>& samples) {
+  const std::size_t n = samples.size(), probes = std::min<std::size_t>(n, 64);
+  std::vector<typename SampleIndex<D>::Hit> hits;
   double expected = 0;
-  for (std::size_t i = 0; i < std::min<std::size_t>(n, 64); ++i) {
-    samples.within(x[samples.order()[i * n / std::min<std::size_t>(n, 64)]], kernel.support(), probe);
-    expected += static_cast<double>(probe.size()) / static_cast<double>(std::min<std::size_t>(n, 64));
+  for (std::size_t i = 0; i < probes; ++i) {
+    samples.within(samples.positions()[samples.order()[i * n / probes]], kernel.support(), hits);
+    expected += static_cast<double>(hits.size()) / static_cast<double>(probes);
   }
   if (expected * static_cast<double>(n) > static_cast<double>(kMaxEntries))
     throw DataError("approximation: the support holds about " + std::to_string(static_cast<long>(expected)) +
                     " samples: lower the scale");
+}
 
-  // Rows of A by index, nearest first. The preconditioner uses the nearest of those that precede in a random order: an
-  // approximate inverse G of the Cholesky factor, G A Gᵀ ≈ 1, exact on the pattern (kolotilina1993).
-  const auto rank = [](std::size_t i) { return mixed_bits(i + 1); };
-  const Rows a = build_rows(n, [&](std::size_t i, std::vector<std::uint32_t>& column, std::vector<double>& value) {
-    thread_local std::vector<Hit> hits;
-    samples.within(x[i], kernel.support(), hits);
-    for (const Hit& hit : hits) {
+/// Rows of the matrix by index, nearest samples first.
+template <int D>
+Rows kernel_rows(const RadialKernel& kernel, double ridge, const SampleIndex<D>& samples) {
+  return build_rows(samples.size(), [&](std::size_t i, std::vector<std::uint32_t>& column, std::vector<double>& value) {
+    thread_local std::vector<typename SampleIndex<D>::Hit> hits;
+    samples.within(samples.positions()[i], kernel.support(), hits);
+    for (const auto& hit : hits) {
       column.push_back(hit.index);
       value.push_back(kernel(hit.squared_distance) + (hit.index == i ? ridge : 0));
     }
   });
-  const Rows g = build_rows(n, [&](std::size_t i, std::vector<std::uint32_t>& column, std::vector<double>& value) {
+}
+
+/// Preconditioner from the nearest samples that precede in a random order: an approximate inverse G of the Cholesky
+/// factor, G A Gᵀ ≈ 1, exact on the pattern (kolotilina1993).
+template <int D>
+Rows inverse_factor(const RadialKernel& kernel, double ridge, std::span<const Position<D>> x, const Rows& a) {
+  const auto rank = [](std::size_t i) { return mixed_bits(i + 1); };
+  return build_rows(x.size(), [&](std::size_t i, std::vector<std::uint32_t>& column, std::vector<double>& value) {
     std::array<std::uint32_t, kFactorNeighbours + 1> set;
     Eigen::Index count = 0;
     for (std::size_t e = a.start[i]; e < a.start[i + 1] && count < static_cast<Eigen::Index>(kFactorNeighbours); ++e)
@@ -214,54 +259,29 @@ SparseResult solve_sparse(const RadialKernel& kernel, double ridge, const Sample
       value.push_back(y[p] / root);
     }
   });
-  const Rows gt = g.transposed();
+}
 
+}  // namespace
+
+template <int D>
+SparseResult solve_sparse(const RadialKernel& kernel, double ridge, const SampleIndex<D>& samples,
+                          std::span<const double> f, double tolerance, int max_iterations, PolynomialTail<D>& tail,
+                          std::span<double> c) {
+  check_entries(kernel, samples);
+  const std::size_t n = samples.size();
+  const std::span<const Position<D>> x = samples.positions();
+  const Rows a = kernel_rows(kernel, ridge, samples), g = inverse_factor<D>(kernel, ridge, x, a);
   // The right-hand sides are the values, then the monomials: one pass over A serves all in each step.
   const std::size_t m = 1 + static_cast<std::size_t>(tail.size);
-  std::vector<double> b(n * m), solution(n * m, 0.0), r, z(n * m), p, ap(n * m), t(n * m);
+  std::vector<double> b(n * m), solution;
   for (std::size_t i = 0; i < n; ++i) {
     b[i * m] = f[i];
     tail.basis(x[i], b.data() + i * m + 1);
   }
-  r = b;
-  const std::vector<double> norm = dots(m, b, b);
-  const auto precondition = [&] {
-    g.multiply(m, r, t);
-    gt.multiply(m, t, z);
-  };
-  precondition();
-  p = z;
-  std::vector<double> rz = dots(m, r, z);
-  SparseResult result;
-  const auto worst = [&] {
-    const std::vector<double> rr = dots(m, r, r);
-    double w = 0;
-    for (std::size_t k = 0; k < m; ++k)
-      if (norm[k] > 0) w = std::max(w, rr[k] / norm[k]);
-    return std::sqrt(w);
-  };
-  while ((result.residual = worst()) > tolerance && result.iterations < max_iterations) {
-    a.multiply(m, p, ap);
-    const std::vector<double> pap = dots(m, p, ap);
-    std::vector<double> alpha(m, 0.0);
-    for (std::size_t k = 0; k < m; ++k)
-      if (pap[k] > 0) alpha[k] = rz[k] / pap[k];
-    for (std::size_t i = 0; i < n * m; i += m)
-      for (std::size_t k = 0; k < m; ++k) {
-        solution[i + k] += alpha[k] * p[i + k];
-        r[i + k] -= alpha[k] * ap[i + k];
-      }
-    precondition();
-    const std::vector<double> next = dots(m, r, z);
-    for (std::size_t i = 0; i < n * m; i += m)
-      for (std::size_t k = 0; k < m; ++k) p[i + k] = z[i + k] + (rz[k] > 0 ? next[k] / rz[k] : 0) * p[i + k];
-    rz = next;
-    ++result.iterations;
-  }
+  SparseResult result = conjugate_gradients(a, g, m, b, tolerance, max_iterations, solution);
   if (!(result.residual <= tolerance))
     throw DataError("approximation: conjugate gradients reach a residual of " + std::to_string(result.residual) +
                     " only: lower the scale, add a ridge or raise the tolerance");
-
   tail.coefficient.fill(0);
   const std::span<double> coefficients = std::span(tail.coefficient).first(static_cast<std::size_t>(tail.size));
   result.dropped = solve_tail(b, solution, coefficients, c.first(n));

@@ -17,6 +17,13 @@ constexpr std::size_t kSpacingSamples = 4096;
 
 }  // namespace
 
+void require_finite(std::span<const double> values, std::size_t components) {
+  const auto bad = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
+  if (bad == values.end()) return;
+  const std::size_t sample = static_cast<std::size_t>(bad - values.begin()) / components;
+  throw DataError("approximation: the value of sample " + std::to_string(sample) + " is not finite");
+}
+
 template <int D>
 SampleIndex<D>::SampleIndex(std::span<const Position<D>> positions) : positions_(positions.begin(), positions.end()) {
   if (positions.empty()) throw DataError("approximation: no samples");

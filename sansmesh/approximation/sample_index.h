@@ -22,6 +22,9 @@ double squared_distance(const Position<D>& a, const Position<D>& b) {
   return sum;
 }
 
+/// Throws DataError naming the first sample with a value that is not finite.
+void require_finite(std::span<const double> values, std::size_t components = 1);
+
 /// Samples with a tree over them, D = 1, 2, 3. Queries are thread-safe. The tree holds the positions relative to the
 /// middle of their box in units of its size, so an offset of the coordinates costs no digits. `within` separates
 /// samples closer than 1e-7 of the box, `nearest` does not.

@@ -16,11 +16,6 @@ constexpr std::uint64_t kMaxPairs = 1u << 16;
 
 /// More expensive nodes of primitives estimate their distance by their box, because evaluation would take longer.
 constexpr double kCostly = 10;
-/// A survey with reach r is limited to this many r. The division of blocks of half edge r needs up to half the diagonal
-/// plus two cells, at most 3.8 r.
-constexpr double kSurveyed = 6;
-/// Lipschitz constant of the difference of two values whose slopes are at most 1, and so of their weights.
-constexpr double kSlopes = 2;
 
 bool bounded_anywhere(const Extents& e) {
   return std::any_of(e.begin(), e.end(), [](double v) { return v < kUnbounded; });
@@ -38,8 +33,7 @@ class CombineNode final : public SolidNode {
                 std::span<std::uint32_t> active) const override {
     // The cheaper child is evaluated first: where its value is far below the bound of the other, the other is skipped.
     const bool swapped = b_->cost() < a_->cost();
-    const SolidNode& first = swapped ? *b_ : *a_;
-    const SolidNode& second = swapped ? *a_ : *b_;
+    const auto& [first, second] = by_cost();
     first.evaluate(x, values, gradients, active);
     const auto highest = [&](std::size_t i) { return sign_ * values[i] + radius_; };
     const std::vector<std::uint32_t> wanted = where_to_ask(second, x, highest, 0);
@@ -95,13 +89,11 @@ class CombineNode final : public SolidNode {
 
   void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
               std::span<Surroundings> around, std::span<ValueRange> ranges) const override {
-    const bool swapped = b_->cost() < a_->cost();
-    const SolidNode& first = swapped ? *b_ : *a_;
-    const SolidNode& second = swapped ? *a_ : *b_;
+    const auto& [first, second] = by_cost();
     first.survey(x, reach, values, around, ranges);
     // Difference of the values for which the second is irrelevant: within the reach each changes by at most that, or is
     // in its range.
-    const double room = lipschitz() ? kSurveyed * reach.detail * kSlopes : 0;
+    const double room = lipschitz() ? kSurveyed * reach.detail * kDifferenceSlope : 0;
     if (!lipschitz()) by_slope(first, values, reach.alone, ranges);
     const auto highest = [&](std::size_t i) {
       return lipschitz() ? sign_ * values[i] + radius_ + room : turned(ranges[i]).most + radius_;
@@ -118,14 +110,14 @@ class CombineNode final : public SolidNode {
       if (j == wanted.size() || wanted[j] != i) {
         if (!lipschitz()) continue;
         const double gap = least_of(second, x[i], 0) - sign_ * values[i];
-        around[i].alone = std::min(around[i].alone, (gap - radius_) / kSlopes);
+        around[i].alone = std::min(around[i].alone, (gap - radius_) / kDifferenceSlope);
         continue;
       }
       const double gap = sign_ * (value[j] - values[i]);  // below 0: the second one dominates
       Surroundings both = {std::min(around[i].alone, other[j].alone), std::min(around[i].detail, other[j].detail)};
       if (std::abs(gap) >= radius_) both = gap >= 0 ? around[i] : other[j];
       if (lipschitz()) {
-        both.alone = std::min(both.alone, std::abs(std::abs(gap) - radius_) / kSlopes);
+        both.alone = std::min(both.alone, std::abs(std::abs(gap) - radius_) / kDifferenceSlope);
       } else {
         if (!apart(ranges[i], other_range[j])) both.alone = 0;
         ranges[i] = combined(ranges[i], other_range[j]);
@@ -138,9 +130,7 @@ class CombineNode final : public SolidNode {
 
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
     if (lipschitz()) return SolidNode::ranges(x, radius, found);
-    const bool swapped = b_->cost() < a_->cost();
-    const SolidNode& first = swapped ? *b_ : *a_;
-    const SolidNode& second = swapped ? *a_ : *b_;
+    const auto& [first, second] = by_cost();
     first.ranges(x, radius, found);
     const auto highest = [&](std::size_t i) { return turned(found[i]).most + radius_; };
     const std::vector<std::uint32_t> wanted = where_to_ask(second, x, highest, radius);
@@ -183,16 +173,10 @@ class CombineNode final : public SolidNode {
   }
 
   static Traits traits_of(const SolidNode& a, const SolidNode& b, double radius) {
-    Traits t;
-    t.pieces = static_cast<std::uint64_t>(a.pieces()) + b.pieces();
+    Traits t = above(a);
+    t.join(b);
     if (radius > 0) t.pieces += std::max<std::uint64_t>(1, pairs_of(a, b));
-    t.rise = std::min(a.rise(), b.rise());
-    t.lipschitz = a.lipschitz() && b.lipschitz();
-    t.cost = a.cost() + b.cost();
-    t.depth = 1 + std::max(a.depth(), b.depth());
-    t.magnitude = std::max(a.magnitude(), b.magnitude()) + radius;
-    t.thickness = thinner(a.thickness(), b.thickness());
-    t.hollow_thickness = thinner(a.hollow_thickness(), b.hollow_thickness());
+    t.magnitude += radius;
     return t;
   }
 
@@ -229,6 +213,12 @@ class CombineNode final : public SolidNode {
     return turned(a).most + radius_ < turned(b).least || turned(b).most + radius_ < turned(a).least;
   }
 
+  /// The children, the cheaper one first.
+  std::pair<const SolidNode&, const SolidNode&> by_cost() const {
+    if (b_->cost() < a_->cost()) return {*b_, *a_};
+    return {*a_, *b_};
+  }
+
   bool pairs() const { return pairs_of(*a_, *b_) > 0; }
 
   std::uint32_t blend_piece(std::uint32_t a, std::uint32_t b) const {
@@ -256,56 +246,6 @@ class CombineNode final : public SolidNode {
   double sign_, radius_;
 };
 
-class ComplementNode final : public SolidNode {
- public:
-  explicit ComplementNode(NodePtr child) : SolidNode(traits_of(*child)), child_(std::move(child)) { keep_extents(); }
-  const NodePtr& child() const { return child_; }
-
-  void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
-                std::span<std::uint32_t> active) const override {
-    child_->evaluate(x, values, gradients, active);
-    turn(values, gradients);
-  }
-  void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
-                      std::span<Vec3> gradients) const override {
-    child_->evaluate_piece(piece, x, values, gradients);
-    turn(values, gradients);
-  }
-  void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
-              std::span<Surroundings> around, std::span<ValueRange> ranges) const override {
-    child_->survey(x, reach, values, around, ranges);
-    turn(values, {});
-    turn(ranges);
-  }
-  void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
-    child_->ranges(x, radius, found);
-    turn(found);
-  }
-  double least(double sign, const Vec3& x, double radius) const override { return child_->least(-sign, x, radius); }
-  std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
-    ExpressionFrame turned = frame;
-    turned.sign = -frame.sign;
-    return child_->express(builder, turned);
-  }
-  double support(const Vec3& n) const override { return child_->hollow_support(n); }
-  double hollow_support(const Vec3& n) const override { return child_->support(n); }
-
- private:
-  static Traits traits_of(const SolidNode& child) {
-    Traits t = above(child);
-    std::swap(t.thickness, t.hollow_thickness);
-    return t;
-  }
-  static void turn(std::span<double> values, std::span<Vec3> gradients) {
-    for (double& v : values) v = -v;
-    for (Vec3& g : gradients) g = -g;
-  }
-  static void turn(std::span<ValueRange> ranges) {
-    for (ValueRange& r : ranges) r = {-r.most, -r.least};
-  }
-  NodePtr child_;
-};
-
 /// Bound after moving a surface outward by `distance` (inward if negative).
 double moved(const SolidNode& node, double support, double distance) {
   if (distance > 0) return support + distance / node.rise();
@@ -320,51 +260,71 @@ ExpressionFrame offset_frame(const ExpressionFrame& frame, double side, double d
   return inner;
 }
 
-class OffsetNode final : public SolidNode {
+/// side · (child − distance): a complement (side −1, distance 0) or an offset (side 1).
+class SidedNode final : public SolidNode {
  public:
-  OffsetNode(NodePtr child, double distance)
-      : SolidNode(traits_of(*child, distance)), child_(std::move(child)), distance_(distance) {
+  SidedNode(NodePtr child, double side, double distance)
+      : SolidNode(traits_of(*child, side, distance)), child_(std::move(child)), side_(side), distance_(distance) {
     keep_extents();
   }
+  const NodePtr& child() const { return child_; }
+  bool is_complement() const { return side_ < 0; }
+
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
                 std::span<std::uint32_t> active) const override {
     child_->evaluate(x, values, gradients, active);
-    for (double& v : values) v -= distance_;
+    apply(values, gradients);
   }
   void evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std::span<double> values,
                       std::span<Vec3> gradients) const override {
     child_->evaluate_piece(piece, x, values, gradients);
-    for (double& v : values) v -= distance_;
+    apply(values, gradients);
   }
   void survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
               std::span<Surroundings> around, std::span<ValueRange> ranges) const override {
     child_->survey(x, reach, values, around, ranges);
-    for (double& v : values) v -= distance_;
-    for (ValueRange& r : ranges) r = {r.least - distance_, r.most - distance_};
+    apply(values, {});
+    apply(ranges);
   }
   void ranges(std::span<const Vec3> x, double radius, std::span<ValueRange> found) const override {
     child_->ranges(x, radius, found);
-    for (ValueRange& r : found) r = {r.least - distance_, r.most - distance_};
+    apply(found);
   }
   double least(double sign, const Vec3& x, double radius) const override {
-    return child_->least(sign, x, radius) - sign * distance_;
+    return child_->least(sign * side_, x, radius) - sign * distance_;
   }
   std::optional<std::uint32_t> express(ExpressionBuilder& builder, const ExpressionFrame& frame) const override {
-    return child_->express(builder, offset_frame(frame, 1, distance_));
+    return child_->express(builder, offset_frame(frame, side_, distance_));
   }
-  double support(const Vec3& n) const override { return moved(*child_, child_->support(n), distance_); }
-  double hollow_support(const Vec3& n) const override { return moved(*child_, child_->hollow_support(n), -distance_); }
+  double support(const Vec3& n) const override {
+    return moved(*child_, side_ > 0 ? child_->support(n) : child_->hollow_support(n), distance_);
+  }
+  double hollow_support(const Vec3& n) const override {
+    return moved(*child_, side_ > 0 ? child_->hollow_support(n) : child_->support(n), -distance_);
+  }
 
  private:
-  static Traits traits_of(const SolidNode& child, double distance) {
+  static Traits traits_of(const SolidNode& child, double side, double distance) {
     Traits t = above(child);
+    if (side < 0) std::swap(t.thickness, t.hollow_thickness);
     t.thickness += 2 * distance;
     t.hollow_thickness -= 2 * distance;
     t.magnitude += std::abs(distance);
     return t;
   }
+  void apply(std::span<double> values, std::span<Vec3> gradients) const {
+    for (double& v : values) v = side_ * (v - distance_);
+    if (side_ < 0)
+      for (Vec3& g : gradients) g = -g;
+  }
+  void apply(std::span<ValueRange> ranges) const {
+    for (ValueRange& r : ranges) {
+      r = {r.least - distance_, r.most - distance_};
+      if (side_ < 0) r = {-r.most, -r.least};
+    }
+  }
   NodePtr child_;
-  double distance_;
+  double side_, distance_;
 };
 
 /// |f − middle| − half: each piece occurs twice, on the outer and on the inner surface.
@@ -472,14 +432,15 @@ Solid subtract(const Solid& a, const Solid& b, double blend) {
 }
 
 Solid complement(const Solid& a) {
-  if (const auto* twice = dynamic_cast<const ComplementNode*>(a.node().get())) return Solid(twice->child());
-  return Solid(std::make_shared<ComplementNode>(a.node()));
+  const auto* inner = dynamic_cast<const SidedNode*>(a.node().get());
+  if (inner && inner->is_complement()) return Solid(inner->child());
+  return Solid(std::make_shared<SidedNode>(a.node(), -1, 0));
 }
 
 Solid offset(const Solid& a, double distance) {
   require_finite("offset", "d", distance);
   if (distance == 0) return a;
-  return Solid(std::make_shared<OffsetNode>(a.node(), distance));
+  return Solid(std::make_shared<SidedNode>(a.node(), 1, distance));
 }
 
 Solid shell(const Solid& a, double thickness, ShellSide side) {

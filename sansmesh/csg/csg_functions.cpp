@@ -1,6 +1,7 @@
 #include "sansmesh/csg/csg_functions.h"
 
 #include <limits>
+#include <utility>
 
 #include "sansmesh/error.h"
 
@@ -57,78 +58,57 @@ Solid make_difference(const Arguments& a) {
   return combined(a, csg::subtract);
 }
 
+using Make = Solid (*)(const Arguments&);
+
+CsgFunction primitive(const char* name, std::vector<CsgParameter> parameters, Make make) {
+  return {name, 0, 0, std::move(parameters), make};
+}
+
+/// A function of one solid. `distances`: CsgFunction::distances.
+CsgFunction of_one(const char* name, std::vector<CsgParameter> parameters, Make make, bool distances = false) {
+  return {name, 1, 1, std::move(parameters), make, distances};
+}
+
 std::vector<CsgFunction> table() {
   const CsgParameter center{"center", Kind::vector}, axis{"axis", Kind::direction}, blend{"r"};
   const CsgParameter radius{"r", Kind::number, true};
-  std::vector<CsgFunction> all = {
-      {"sphere",
-       0,
-       0,
-       {radius, center},
-       [](const Arguments& a) { return csg::sphere(a.vector("center"), a.number("r", 0)); }},
-      {"box", 0, 0, {{"size", Kind::size}, center, blend, {"from", Kind::vector}, {"to", Kind::vector}}, make_box},
-      {"cylinder", 0, 0, {radius, {"h"}, axis, center}, make_cylinder},
-      {"cone",
-       0,
-       0,
-       {radius, {"h", Kind::number, true}, {"top"}, axis, center},
-       [](const Arguments& a) {
-         return csg::cone(a.vector("center"), a.vector("axis", kZ), a.number("r", 0), a.number("top", 0),
-                          a.number("h", 0));
-       }},
-      {"torus",
-       0,
-       0,
-       {{"R", Kind::number, true}, radius, axis, center},
-       [](const Arguments& a) {
-         return csg::torus(a.vector("center"), a.vector("axis", kZ), a.number("R", 0), a.number("r", 0));
-       }},
-      {"capsule",
-       0,
-       0,
-       {radius, {"from", Kind::vector, true}, {"to", Kind::vector, true}},
-       [](const Arguments& a) { return csg::capsule(a.vector("from"), a.vector("to"), a.number("r", 0)); }},
-      {"plane", 0, 0, {{"normal", Kind::direction}, {"offset"}, {"through", Kind::vector}}, make_plane},
+  return {
+      primitive("sphere", {radius, center},
+                [](const Arguments& a) { return csg::sphere(a.vector("center"), a.number("r", 0)); }),
+      primitive("box", {{"size", Kind::size}, center, blend, {"from", Kind::vector}, {"to", Kind::vector}}, make_box),
+      primitive("cylinder", {radius, {"h"}, axis, center}, make_cylinder),
+      primitive("cone", {radius, {"h", Kind::number, true}, {"top"}, axis, center},
+                [](const Arguments& a) {
+                  return csg::cone(a.vector("center"), a.vector("axis", kZ), a.number("r", 0), a.number("top", 0),
+                                   a.number("h", 0));
+                }),
+      primitive("torus", {{"R", Kind::number, true}, radius, axis, center},
+                [](const Arguments& a) {
+                  return csg::torus(a.vector("center"), a.vector("axis", kZ), a.number("R", 0), a.number("r", 0));
+                }),
+      primitive("capsule", {radius, {"from", Kind::vector, true}, {"to", Kind::vector, true}},
+                [](const Arguments& a) { return csg::capsule(a.vector("from"), a.vector("to"), a.number("r", 0)); }),
+      primitive("plane", {{"normal", Kind::direction}, {"offset"}, {"through", Kind::vector}}, make_plane),
       {"union", 1, kAny, {blend}, make_union},
       {"intersection", 1, kAny, {blend}, make_intersection},
       {"difference", 2, kAny, {blend}, make_difference},
-      {"complement", 1, 1, {}, [](const Arguments& a) { return csg::complement(a.solids[0]); }},
-      {"offset",
-       1,
-       1,
-       {{"d", Kind::number, true}},
-       [](const Arguments& a) { return csg::offset(a.solids[0], a.number("d", 0)); },
-       true},
-      {"shell",
-       1,
-       1,
-       {{"t", Kind::number, true}, {"side", Kind::side}},
-       [](const Arguments& a) { return csg::shell(a.solids[0], a.number("t", 0), a["side"].side); },
-       true},
-      {"translate",
-       1,
-       1,
-       {{"by", Kind::vector, true}},
-       [](const Arguments& a) { return csg::translate(a.solids[0], a.vector("by")); }},
-      {"rotate",
-       1,
-       1,
-       {{"angle", Kind::number, true}, axis, center},
-       [](const Arguments& a) {
-         return csg::rotate(a.solids[0], a.vector("axis", kZ), a.number("angle", 0), a.vector("center"));
-       }},
-      {"scale",
-       1,
-       1,
-       {{"factor", Kind::number, true}, center},
-       [](const Arguments& a) { return csg::scale(a.solids[0], a.number("factor", 1), a.vector("center")); }},
-      {"mirror",
-       1,
-       1,
-       {{"normal", Kind::direction, true}, {"offset"}},
-       [](const Arguments& a) { return csg::mirror(a.solids[0], a.vector("normal"), a.number("offset", 0)); }},
-  };
-  return all;
+      of_one("complement", {}, [](const Arguments& a) { return csg::complement(a.solids[0]); }),
+      of_one(
+          "offset", {{"d", Kind::number, true}},
+          [](const Arguments& a) { return csg::offset(a.solids[0], a.number("d", 0)); }, true),
+      of_one(
+          "shell", {{"t", Kind::number, true}, {"side", Kind::side}},
+          [](const Arguments& a) { return csg::shell(a.solids[0], a.number("t", 0), a["side"].side); }, true),
+      of_one("translate", {{"by", Kind::vector, true}},
+             [](const Arguments& a) { return csg::translate(a.solids[0], a.vector("by")); }),
+      of_one("rotate", {{"angle", Kind::number, true}, axis, center},
+             [](const Arguments& a) {
+               return csg::rotate(a.solids[0], a.vector("axis", kZ), a.number("angle", 0), a.vector("center"));
+             }),
+      of_one("scale", {{"factor", Kind::number, true}, center},
+             [](const Arguments& a) { return csg::scale(a.solids[0], a.number("factor", 1), a.vector("center")); }),
+      of_one("mirror", {{"normal", Kind::direction, true}, {"offset"}},
+             [](const Arguments& a) { return csg::mirror(a.solids[0], a.vector("normal"), a.number("offset", 0)); })};
 }
 
 }  // namespace

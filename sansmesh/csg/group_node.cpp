@@ -20,10 +20,6 @@ constexpr std::size_t kClusterSize = 16;
 constexpr std::size_t kFewMembers = 24;
 /// With more members, lower bounds are not queried from each.
 constexpr std::size_t kAskedForLeast = 8;
-/// Limit of a survey with reach r, in units of r; equal to that of pairs.
-constexpr double kGroupSurveyed = 6;
-/// Lipschitz constant of the difference of two values whose slopes are at most 1.
-constexpr double kDifferenceSlope = 2;
 /// Number of points that share a selection of members.
 constexpr std::size_t kFewPoints = 32;
 /// A member that costs more than this share of the group and is deeper than kShallow nodes is not evaluated at the
@@ -46,18 +42,6 @@ struct AroundPoints {
     if (!std::isfinite(radius)) radius = kUnbounded;
   }
 };
-
-/// Distance of x from a box in one direction; negative inside.
-double outside_of(const Extents& e, const Vec3& x) {
-  double outside = -kUnbounded;
-  for (std::size_t k = 0; k < 3; ++k) outside = std::max({outside, -x[k] - e[2 * k], x[k] - e[2 * k + 1]});
-  return outside;
-}
-
-/// Lower bound of the values within `radius` of a point this far outside.
-double least_value(double outside, double rise, double radius) {
-  return outside > radius ? rise * (outside - radius) : -kUnbounded;
-}
 
 std::uint32_t morton_cell_of(double x, double lower, double size) {
   return size > 0 ? index_in<std::uint32_t>((x - lower) / size * 1023, 0, 1023) : 0;
@@ -82,15 +66,7 @@ SolidNode::Traits GroupNode::traits_of(std::span<const NodePtr> members) {
   Traits t;
   t.pieces = 0;
   t.cost = 0;
-  for (const NodePtr& m : members) {
-    t.pieces += m->pieces();
-    t.rise = std::min(t.rise, m->rise());
-    t.cost += m->cost();
-    t.depth = std::max(t.depth, 1 + m->depth());
-    t.magnitude = std::max(t.magnitude, m->magnitude());
-    t.thickness = thinner(t.thickness, m->thickness());
-    t.hollow_thickness = thinner(t.hollow_thickness, m->hollow_thickness());
-  }
+  for (const NodePtr& m : members) t.join(*m);
   return t;
 }
 
@@ -266,7 +242,7 @@ void GroupNode::evaluate_piece(std::uint32_t piece, std::span<const Vec3> x, std
 void GroupNode::survey(std::span<const Vec3> x, const SurveyReach& reach, std::span<double> values,
                        std::span<Surroundings> around, std::span<ValueRange>) const {
   if (x.empty()) return;
-  const double room = kGroupSurveyed * reach.detail * kDifferenceSlope;
+  const double room = kSurveyed * reach.detail * kDifferenceSlope;
   struct Others {
     std::array<double, kFewPoints> value, second;  // the second smallest value, with the sign of the group
     std::array<Surroundings, kFewPoints> around;

@@ -44,6 +44,17 @@ SolidNode::Traits SolidNode::above(const SolidNode& child) {
           .magnitude = child.magnitude()};
 }
 
+void SolidNode::Traits::join(const SolidNode& child) {
+  pieces += child.pieces();
+  rise = std::min(rise, child.rise());
+  lipschitz = lipschitz && child.lipschitz();
+  cost += child.cost();
+  depth = std::max(depth, 1 + child.depth());
+  magnitude = std::max(magnitude, child.magnitude());
+  thickness = thinner(thickness, child.thickness());
+  hollow_thickness = thinner(hollow_thickness, child.hollow_thickness());
+}
+
 void SolidNode::keep_extents() {
   for (std::size_t k = 0; k < 6; ++k) {
     Vec3 n;
@@ -68,10 +79,17 @@ std::optional<std::uint32_t> SolidNode::express(ExpressionBuilder&, const Expres
 double SolidNode::bend(std::uint32_t, const Vec3&, double, double) const { return kUnbounded; }
 
 double SolidNode::far_value(double sign, const Vec3& x, double radius) const {
-  const Extents& e = sign > 0 ? extents_ : hollow_extents_;
-  double outside = 0;
+  return least_value(outside_of(sign > 0 ? extents_ : hollow_extents_, x), rise_, radius);
+}
+
+double outside_of(const Extents& e, const Vec3& x) {
+  double outside = -kUnbounded;
   for (std::size_t k = 0; k < 3; ++k) outside = std::max({outside, -x[k] - e[2 * k], x[k] - e[2 * k + 1]});
-  return outside > radius ? rise_ * (outside - radius) : -kUnbounded;
+  return outside;
+}
+
+double least_value(double outside, double rise, double radius) {
+  return outside > radius ? rise * (outside - radius) : -kUnbounded;
 }
 
 double value_rounding(const SolidNode& node, const Vec3& x, double radius) {

@@ -23,11 +23,22 @@ constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 /// the whole subtree.
 constexpr int kDeepForLeast = 12;
 
+/// Limit of a survey with reach r, in units of r. The division of blocks of half edge r needs up to half the diagonal
+/// plus two cells, at most 3.8 r.
+constexpr double kSurveyed = 6;
+/// Lipschitz constant of the difference of two values whose slopes are at most 1, and hence of their weights in a
+/// blend.
+constexpr double kDifferenceSlope = 2;
+
 /// Piece number that denotes the whole node.
 constexpr std::uint32_t kWholeNode = ~std::uint32_t{0};
 
 /// A bounding box as its extents in the directions −x, +x, −y, +y, −z, +z; contradicting extents denote an empty set.
 using Extents = std::array<double, 6>;
+/// Distance of x from a box in one direction; negative inside.
+double outside_of(const Extents& e, const Vec3& x);
+/// Lower bound of the values within `radius` of a point this far outside of a node's box.
+double least_value(double outside, double rise, double radius);
 
 /// One immutable node of a tree of solids.
 ///
@@ -97,6 +108,9 @@ class SolidNode {
     int depth = 1;  ///< one more than the deepest child's
     double thickness = kUnbounded, hollow_thickness = kUnbounded;
     double magnitude = 0;  ///< beyond the magnitude of the extents
+
+    /// Adds another child.
+    void join(const SolidNode& child);
   };
   /// Traits of a parent whose only child this is.
   static Traits above(const SolidNode& child);

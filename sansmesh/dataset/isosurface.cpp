@@ -206,16 +206,14 @@ std::optional<BlockTree> iso_blocks(const Isosurface& surface, std::optional<dou
       surface.spacing(centers, wanted);
       for (double& w : wanted) w *= kBlock * scale;
     }
-    std::vector<std::uint32_t> next;
+    std::vector<std::uint32_t> divided;
     for (std::size_t i = 0; i < level.size(); ++i) {
       if (!passes[i] || tree[level[i]].level >= kMostDepth) continue;
       const bool coarse = tree[level[i]].level < 3;
-      if (!coarse && block <= kRounding * wanted[i]) continue;
-      const auto first = static_cast<std::uint32_t>(tree.subdivide(level[i]));
-      for (std::uint32_t c = 0; c < 8; ++c) next.push_back(first + c);
+      if (coarse || block > kRounding * wanted[i]) divided.push_back(level[i]);
     }
+    level = tree.subdivide_all(divided);
     if (tree.size() > kMostIsoBlocks) return std::nullopt;
-    level = std::move(next);
   }
   return tree;
 }

@@ -257,7 +257,8 @@ std::vector<std::uint8_t> lost_samples_of(const FittedFunction& function, const 
 }
 
 /// The surface after all proposed edits, in the coordinates of the field; nothing if it cannot be made.
-std::optional<TriangleMesh> mended(const FittedFunction& function, const Diagnosis& diagnosis, Progress& progress) {
+std::optional<TriangleMesh> repaired_mesh(const FittedFunction& function, const Diagnosis& diagnosis,
+                                          Progress& progress) {
   MeshOptions meshing;
   meshing.carry_colors = false;
   try {
@@ -273,8 +274,8 @@ std::optional<TriangleMesh> mended(const FittedFunction& function, const Diagnos
 
 /// Reverts the edits around which samples lost their surface that had one according to `lost_before`. False if no edit
 /// is responsible.
-bool take_back(const FittedFunction& function, const std::vector<std::uint8_t>& lost_before,
-               const std::vector<std::uint8_t>& lost, Diagnosis& diagnosis) {
+bool revert_harmful(const FittedFunction& function, const std::vector<std::uint8_t>& lost_before,
+                    const std::vector<std::uint8_t>& lost, Diagnosis& diagnosis) {
   std::vector<std::uint8_t> harmful(diagnosis.places.size(), 0);
   for (std::size_t i = 0; i < lost.size(); ++i) {
     if (!lost[i] || lost_before[i]) continue;
@@ -301,11 +302,11 @@ void try_edits(const FittedFunction& function, const std::vector<std::uint8_t>& 
   const auto most =
       std::count(lost_before.begin(), lost_before.end(), 1) + static_cast<std::ptrdiff_t>(lost_before.size() / kSpared);
   for (int round = 0; round < kTrials && !diagnosis.edits().empty(); ++round) {
-    const std::optional<TriangleMesh> mesh = mended(function, diagnosis, progress);
+    const std::optional<TriangleMesh> mesh = repaired_mesh(function, diagnosis, progress);
     if (!mesh) break;
     const std::vector<std::uint8_t> lost = lost_samples_of(function, *mesh);
     if (std::count(lost.begin(), lost.end(), 1) <= most) return;
-    if (!take_back(function, lost_before, lost, diagnosis)) break;
+    if (!revert_harmful(function, lost_before, lost, diagnosis)) break;
   }
   for (SuspiciousPlace& p : diagnosis.places) p.edit.reset();
 }

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sansmesh/core/boxes.h"
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/number_words.h"
 #include "sansmesh/error.h"
 #include "sansmesh/partition/partition_edit.h"
@@ -106,25 +107,23 @@ PartitionOptions options_of(const FittedFunction& function, const Refit& r) {
 }  // namespace
 
 void EditSelection::validate() const {
-  const auto check = [](bool ok, const char* what) {
-    if (!ok) throw ArgumentError(what);
-  };
-  check(!ball || (is_finite(ball->center) && ball->radius > 0 && std::isfinite(ball->radius)),
-        "ball: needs a finite centre and a positive radius");
-  check(!box || (is_finite(box->lower) && is_finite(box->upper) && !box->empty()),
-        "box: needs a finite lower corner below the upper one");
-  check(!half_space ||
-            (is_finite(half_space->point) && norm(half_space->normal) > 0 && std::isfinite(norm(half_space->normal))),
-        "half_space: needs a finite point and a normal that is not zero");
-  check(!coverage_below || (*coverage_below > 0 && *coverage_below <= 2), "coverage_below must lie in (0, 2]");
+  check_argument(!ball || (is_finite(ball->center) && ball->radius > 0 && std::isfinite(ball->radius)),
+                 "ball: needs a finite centre and a positive radius");
+  check_argument(!box || (is_finite(box->lower) && is_finite(box->upper) && !box->empty()),
+                 "box: needs a finite lower corner below the upper one");
+  check_argument(!half_space || (is_finite(half_space->point) && norm(half_space->normal) > 0 &&
+                                 std::isfinite(norm(half_space->normal))),
+                 "half_space: needs a finite point and a normal that is not zero");
+  check_argument(!coverage_below || (*coverage_below > 0 && *coverage_below <= 2), "coverage_below must lie in (0, 2]");
   if (coverage_fails)
-    for (const double k : *coverage_fails) check(k >= 0 && k <= 2, "coverage must lie in 0..2 for each degree");
-  check(!error_above || (*error_above >= 0 && std::isfinite(*error_above)), "error_above must be a length");
-  check(!samples_below || *samples_below >= 0, "samples_below must be at least 0");
-  check(!level_from || (*level_from >= 0 && *level_from <= 20), "level_from must lie in 0..20");
-  check(!level_to || (*level_to >= 0 && *level_to <= 20), "level_to must lie in 0..20");
-  check(!level_from || !level_to || *level_from <= *level_to, "level_from must not exceed level_to");
-  check(!sheet_at || is_finite(*sheet_at), "sheet_at must be finite");
+    for (const double k : *coverage_fails)
+      check_argument(k >= 0 && k <= 2, "coverage must lie in 0..2 for each degree");
+  check_argument(!error_above || (*error_above >= 0 && std::isfinite(*error_above)), "error_above must be a length");
+  check_argument(!samples_below || *samples_below >= 0, "samples_below must be at least 0");
+  check_argument(!level_from || (*level_from >= 0 && *level_from <= 20), "level_from must lie in 0..20");
+  check_argument(!level_to || (*level_to >= 0 && *level_to <= 20), "level_to must lie in 0..20");
+  check_argument(!level_from || !level_to || *level_from <= *level_to, "level_from must not exceed level_to");
+  check_argument(!sheet_at || is_finite(*sheet_at), "sheet_at must be finite");
 }
 
 FunctionEditor::FunctionEditor(FittedFunction function) : function_(std::move(function)) {}

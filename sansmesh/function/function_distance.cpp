@@ -7,8 +7,8 @@
 
 #include "sansmesh/field/placed_field.h"
 #include "sansmesh/function/crease_edges.h"
+#include "sansmesh/function/mesh_field.h"
 #include "sansmesh/function/mesh_function.h"
-#include "sansmesh/function/mesh_solid.h"
 #include "sansmesh/mesh_measures.h"
 #include "sansmesh/mesh_options.h"
 
@@ -75,9 +75,7 @@ struct FunctionDistance::Parts {
 };
 
 FunctionDistance::FunctionDistance(std::shared_ptr<const FittedFunction> function, Progress& progress)
-    : parts_(std::make_unique<Parts>(std::move(function), progress)) {}
-
-FunctionDistance::~FunctionDistance() = default;
+    : parts_(std::make_shared<Parts>(std::move(function), progress)) {}
 
 Box3 FunctionDistance::bounds() const { return parts_->closed ? parts_->distance->bounds() : parts_->field.bounds(); }
 bool FunctionDistance::closed() const { return parts_->closed; }

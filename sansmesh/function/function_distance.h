@@ -23,7 +23,6 @@ class FunctionDistance : public PiecewiseField {
  public:
   /// Makes the mesh, like mesh_function with all components. Throws DataError if the function has no surface.
   FunctionDistance(std::shared_ptr<const FittedFunction> function, Progress& progress);
-  ~FunctionDistance() override;
 
   /// Bounds of the surface if it is closed, else those of the function. Values are distances outside, too.
   Box3 bounds() const override;
@@ -39,7 +38,7 @@ class FunctionDistance : public PiecewiseField {
 
  private:
   struct Parts;
-  std::unique_ptr<const Parts> parts_;
+  std::shared_ptr<const Parts> parts_;
 };
 
 /// A function as a solid whose field is the distance to its surface. An open surface bounds everything behind it,

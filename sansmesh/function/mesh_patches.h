@@ -30,7 +30,7 @@ struct MeshPatches {
   /// The triangle behind each edge; kSmooth unless there is exactly one.
   std::vector<std::uint32_t> across;
   /// For each vertex the curve through it, or, from `curves` on, its corner; kSmooth: inside of a patch.
-  std::vector<std::uint32_t> place;
+  std::vector<std::uint32_t> feature;
   std::uint32_t patches = 0, curves = 0, corners = 0;
   MeshEdges edges;
   /// Edges of one face, as 3 · triangle + k.

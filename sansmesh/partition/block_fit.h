@@ -35,6 +35,11 @@ struct BlockFitter {
   float fit_radius(int level) const { return fit * 0.8660254f * block_edge(level); }
 };
 
+/// A fitter of the accepted scales, whose balls are not stretched.
+inline BlockFitter fitter_of(const SampleTree& tree, const PartitionOptions& options, const ScaleBasis& basis) {
+  return {tree, options, static_cast<float>(basis.support), basis.finest, static_cast<float>(basis.fit)};
+}
+
 /// tr(G⁻¹ Σ w² m mᵀ) · Σ w / Σ w²: the degrees of freedom that a fit of each degree takes from Σ w r², in units of the
 /// weights' effective count, for w = (1 − t²)² over a disc. Less than the number of basis functions, because those with
 /// most of their norm near the rim, where the weights vanish, have little effect.

@@ -11,8 +11,8 @@ namespace {
 
 constexpr float kCreaseCosine = 0.86f;  // normals that differ by more than 30° may belong to different sheets
 constexpr std::uint8_t kTooFew = 255;
-constexpr float kCornerSine =
-    0.5f;  // a larger deviation of a normal from the plane of the two sheets' normals makes a corner
+/// A larger deviation of a normal from the plane of the two sheets' normals makes a corner.
+constexpr float kCornerSine = 0.5f;
 
 /// If the relation of two sheets is ambiguous, the order of joining that leaves the samples on the zero set is used, if
 /// its mean square is at most kJoinedSquare times that of the separate sheets, or its rms at most kJoinedShare of the
@@ -70,56 +70,109 @@ std::vector<Vec3f> seed_sheets(std::span<const Vec3f> normals) {
   return seeds;
 }
 
+/// Sheets of the samples around a crease.
+struct CreaseSheets {
+  std::vector<Vec3f> normal;
+  std::vector<std::uint8_t> of;  ///< sheet of each sample; kTooFew: none
+};
+
+/// Assigns samples to the sheets with the nearest normals. Empty if there are none.
+CreaseSheets split_sheets(std::span<const Vec3f> normals) {
+  CreaseSheets found{seed_sheets(normals), std::vector<std::uint8_t>(normals.size())};
+  std::vector<Vec3f>& sheet = found.normal;
+  if (sheet.empty()) return found;
+  const std::size_t sheets = sheet.size();
+  for (int round = 0; round < 3; ++round) {
+    std::vector<Vec3f> sum(sheets);
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+      std::size_t best = 0;
+      for (std::size_t s = 1; s < sheets; ++s)
+        if (dot(normals[i], sheet[s]) > dot(normals[i], sheet[best])) best = s;
+      found.of[i] = static_cast<std::uint8_t>(best);
+      sum[best] += normals[i];
+    }
+    for (std::size_t s = 0; s < sheets; ++s) sheet[s] = normalized(sum[s]);
+  }
+  // A sheet that the ball barely touches cannot be fitted; its few samples must not distort the others either.
+  std::vector<std::size_t> count(sheets, 0);
+  for (const std::uint8_t s : found.of) ++count[s];
+  std::vector<std::uint8_t> rank(sheets, kTooFew);
+  std::size_t kept = 0;
+  for (std::size_t s = 0; s < sheets; ++s)
+    if (count[s] >= 2) {
+      sheet[kept] = sheet[s];
+      rank[s] = static_cast<std::uint8_t>(kept++);
+    }
+  sheet.resize(kept);
+  for (std::uint8_t& s : found.of) s = rank[s];
+  return found;
+}
+
+/// Whether two sheets meet in a convex (1) or concave (0) crease, or neither (-1).
+int crease_between(const LocalFunction& a, const LocalFunction& b, std::span<const Vec3f> positions,
+                   std::span<const std::uint8_t> of, std::uint8_t sheet_a, std::uint8_t sheet_b) {
+  const auto is_inside = [&](const LocalFunction& f, std::uint8_t other) {
+    double sum = 0;
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      if (of[i] == other) sum += static_cast<double>(local_value(f, positions[i]));
+    return sum < 0;
+  };
+  // Convex if each is on the inner side of the other.
+  const bool ab = is_inside(a, sheet_b), ba = is_inside(b, sheet_a);
+  return ab == ba ? static_cast<int>(ab) : -1;
+}
+
+/// Orders and joins the pieces by max and min. False: no joining leaves the samples on the zero set.
+bool join_pieces(std::span<const Vec3f> positions, std::span<const float> weights, std::span<const std::uint8_t> of,
+                 double mean_square, float scale, std::vector<LocalFunction>& piece) {
+  const auto relation = [&](std::uint8_t a, std::uint8_t b) {
+    return crease_between(piece[a], piece[b], positions, of, a, b);
+  };
+  if (piece.size() == 1) {
+    piece[0].convex = 1;
+    return true;
+  }
+  if (piece.size() == 2) {
+    const int r = relation(0, 1);
+    if (r < 0) return join_by_samples(positions, weights, mean_square, scale, piece);
+    piece[0].convex = r == 1;
+    return true;
+  }
+  const int ab = relation(0, 1), bc = relation(1, 2), ac = relation(0, 2);
+  // One sheet may be on both sides of another, as in corners that are neither convex nor concave.
+  if (ab < 0 || bc < 0 || ac < 0) return join_by_samples(positions, weights, mean_square, scale, piece);
+  // The pair that differs from the other two is joined first.
+  if (ab == bc && ab != ac) std::swap(piece[1], piece[2]);
+  if (ab == ac && ab != bc) std::swap(piece[0], piece[2]);
+  const bool odd = ab == bc && bc == ac;
+  const int first = odd ? ab : (bc == ac ? ab : ab == bc ? ac : bc);
+  const int second = odd ? ab : 1 - first;
+  piece[0].convex = first == 1;
+  piece[1].convex = second == 1;
+  return true;
+}
+
 }  // namespace
 
 CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> normals, std::span<const float> weights,
                      const Vec3f& center, float scale, int max_degree) {
   CreaseFit result;
   if (positions.size() < 8) return result;
-  std::vector<Vec3f> sheet = seed_sheets(normals);
-  if (sheet.empty()) return result;
-  const std::size_t n = positions.size();
-  std::size_t sheets = sheet.size();
-  std::vector<std::uint8_t> of(n);
-  for (int round = 0; round < 3; ++round) {
-    std::vector<Vec3f> sum(sheets);
-    for (std::size_t i = 0; i < n; ++i) {
-      std::size_t best = 0;
-      for (std::size_t s = 1; s < sheets; ++s)
-        if (dot(normals[i], sheet[s]) > dot(normals[i], sheet[best])) best = s;
-      of[i] = static_cast<std::uint8_t>(best);
-      sum[best] += normals[i];
-    }
-    for (std::size_t s = 0; s < sheets; ++s) sheet[s] = normalized(sum[s]);
-  }
-
-  // A sheet that the ball barely touches cannot be fitted; its few samples must not distort the others either.
-  std::vector<std::size_t> count(sheets, 0);
-  for (const std::uint8_t s : of) ++count[s];
-  std::vector<std::uint8_t> rank(sheets, kTooFew);
-  std::size_t kept = 0;
-  for (std::size_t s = 0; s < sheets; ++s) {
-    if (count[s] >= 2) rank[s] = static_cast<std::uint8_t>(kept++);
-  }
-  if (kept == 0) return result;
-  for (std::size_t s = 0; s < sheets; ++s)
-    if (rank[s] != kTooFew) sheet[rank[s]] = sheet[s];
-  for (std::uint8_t& s : of) s = rank[s];
-  sheets = kept;
-
-  std::vector<LocalFunction> piece(sheets);
+  const CreaseSheets sheets = split_sheets(normals);
+  if (sheets.normal.empty()) return result;
+  std::vector<LocalFunction> piece(sheets.normal.size());
   LocalSamples samples;
   double squares = 0, total = 0;
-  for (std::size_t s = 0; s < sheets; ++s) {
+  for (std::size_t s = 0; s < piece.size(); ++s) {
     LocalFunction& f = piece[s];
     f.center = center;
     f.scale = scale;
-    f.nu = sheet[s];
+    f.nu = sheets.normal[s];
     tangent_frame(f.nu, f.xi, f.eta);
     samples.clear();
     double spread = 0, members = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (of[i] != s) continue;
+    for (std::size_t i = 0; i < positions.size(); ++i) {
+      if (sheets.of[i] != s) continue;
       const Vec3f d = (positions[i] - center) / scale;
       samples.add(dot(d, f.xi), dot(d, f.eta), dot(d, f.nu), std::max(weights[i], 0.05f));
       spread += 1 - dot(normals[i], f.nu), members += 1;
@@ -136,44 +189,7 @@ CreaseFit fit_crease(std::span<const Vec3f> positions, std::span<const Vec3f> no
     total += fits.weight_sum;
   }
   result.mean_square = squares / total;
-
-  // Sheets a and b meet in a convex crease if each is on the inner side of the other.
-  const auto side = [&](std::size_t a, std::size_t b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < n; ++i)
-      if (of[i] == b) sum += static_cast<double>(local_value(piece[a], positions[i]));
-    return sum < 0;
-  };
-  const auto relation = [&](std::size_t a, std::size_t b) {  // 1 convex, 0 concave, -1 neither
-    const bool ab = side(a, b), ba = side(b, a);
-    return ab == ba ? static_cast<int>(ab) : -1;
-  };
-  if (sheets == 1) {
-    piece[0].convex = 1;
-  } else if (sheets == 2) {
-    const int r = relation(0, 1);
-    if (r >= 0) {
-      piece[0].convex = r == 1;
-    } else if (!join_by_samples(positions, weights, result.mean_square, scale, piece)) {
-      return result;
-    }
-  } else {
-    const int ab = relation(0, 1), bc = relation(1, 2), ac = relation(0, 2);
-    if (ab < 0 || bc < 0 || ac < 0) {
-      // One sheet is on both sides of another, as in corners that are neither convex nor concave.
-      if (!join_by_samples(positions, weights, result.mean_square, scale, piece)) return result;
-    } else {
-      // The pair that differs from the other two is joined first.
-      if (ab == bc && ab != ac) std::swap(piece[1], piece[2]);
-      if (ab == ac && ab != bc) std::swap(piece[0], piece[2]);
-      const bool odd = ab == bc && bc == ac;
-      const int first = odd ? ab : (bc == ac ? ab : ab == bc ? ac : bc);
-      const int second = odd ? ab : 1 - first;
-      piece[0].convex = first == 1;
-      piece[1].convex = second == 1;
-    }
-  }
-  result.pieces = std::move(piece);
+  if (join_pieces(positions, weights, sheets.of, result.mean_square, scale, piece)) result.pieces = std::move(piece);
   return result;
 }
 

@@ -136,6 +136,20 @@ HWY_INLINE void GroupWeights(const FarView<D>& at, const FarTree::Moments& momen
   }
 }
 
+/// Adds the terms of a source with the points' shares in it.
+template <bool kGradient, FarSums kSums, class V>
+HWY_INLINE void AddTerms(const FarTerms<V>& found, const V& share, const V (&share_slope)[3], FarTerms<V>& sum) {
+  for (std::size_t m = 0; m < 3; ++m) {
+    if (m > 0 && kSums == FarSums::winding) break;
+    if (m == 1 && kSums == FarSums::open) continue;
+    sum.term[m] = pn::MulAdd(share, found.term[m], sum.term[m]);
+    if (!kGradient) continue;
+    for (std::size_t a = 0; a < 3; ++a)
+      sum.slope[m][a] =
+          pn::MulAdd(share_slope[a], found.term[m], pn::MulAdd(share, found.slope[m][a], sum.slope[m][a]));
+  }
+}
+
 /// Sums over all patches at up to kBatch points: Σ ⟨p − x, a⟩ / r³ (/ r⁶ for open ones), Σ area / r⁴, Σ area / r⁶ (and
 /// their gradients if kGradient), as selected by kSums. A group is approximated beyond about twice its radius; near
 /// that distance it blends smoothly into its members, so that the sums are continuous. All points traverse the tree
@@ -155,9 +169,7 @@ void SumSourcesT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
   HWY_ALIGN float slopes[kGradient ? kStack : 1][3][kLanes];
   const V zero = hn::Zero(d), one = hn::Set(d, 1.0f);
   const V p[3] = {hn::LoadU(d, batch.x[0] + begin), hn::LoadU(d, batch.x[1] + begin), hn::LoadU(d, batch.x[2] + begin)};
-  V sum[3] = {zero, zero, zero};
-  V slope[3][3] = {{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
-  FarTerms<V> found{{zero, zero, zero}, {{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}}};
+  FarTerms<V> sum{{zero, zero, zero}, {{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}}}, found = sum;
   std::size_t top = 1;
   stack[0] = {static_cast<std::uint32_t>(tree.levels.size() - 1), 0};
   hn::Store(one, d, shares[0]);
@@ -215,20 +227,13 @@ void SumSourcesT(const FarTree& tree, FarBatch& batch, std::size_t begin) {
         GroupDipole<kGradient, kSums>(at, moments, u, found);
         if (kSums != FarSums::winding) GroupWeights<kGradient, kSums>(at, moments, u, found);
       }
-      for (std::size_t m = 0; m < 3; ++m) {
-        if (m > 0 && kSums == FarSums::winding) break;
-        if (m == 1 && kSums == FarSums::open) continue;
-        sum[m] = pn::MulAdd(share, found.term[m], sum[m]);
-        if (!kGradient) continue;
-        for (std::size_t a = 0; a < 3; ++a)
-          slope[m][a] = pn::MulAdd(share_slope[a], found.term[m], pn::MulAdd(share, found.slope[m][a], slope[m][a]));
-      }
+      AddTerms<kGradient, kSums>(found, share, share_slope, sum);
     }
   }
-  for (std::size_t m = 0; m < 3; ++m) hn::StoreU(sum[m], d, batch.sum[m] + begin);
+  for (std::size_t m = 0; m < 3; ++m) hn::StoreU(sum.term[m], d, batch.sum[m] + begin);
   if (kGradient)
     for (std::size_t m = 0; m < 3; ++m)
-      for (std::size_t a = 0; a < 3; ++a) hn::StoreU(slope[m][a], d, batch.slope[m][a] + begin);
+      for (std::size_t a = 0; a < 3; ++a) hn::StoreU(sum.slope[m][a], d, batch.slope[m][a] + begin);
 }
 
 void SumSources(const FarTree& tree, FarSums sums, bool gradient, std::size_t count, FarBatch& batch) {

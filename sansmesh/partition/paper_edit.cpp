@@ -39,10 +39,7 @@ EditResult set_paper_degree(const PartitionData& data, const Selection& chosen, 
       }
       const PaperLocal local = fitter.approximate(block, ws, degree.value_or(-1));
       lower += degree && local.function.degree < *degree;
-      leaf.function = local.function;
-      leaf.support = local.support;
-      const float h = fitter.block_edge(support.level);
-      place_patch(leaf.function, leaf.function.center - Vec3f{h, h, h} * 0.5f, h, leaf.support);
+      leaf = leaf_of(fitter, local);
     }
     progress.advance(last - first);
   });

@@ -4,15 +4,15 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/error.h"
 #include "sansmesh/partition/assemble.h"
 #include "sansmesh/partition/leaf_fit.h"
 #include "sansmesh/partition/paper_local.h"
-#include "sansmesh/partition/sample_tree.h"
+#include "sansmesh/partition/sorted_samples.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -111,9 +111,7 @@ class PaperTree {
       if (!d.children.empty()) return d;
     }
     d.above = !local.good;
-    d.fitted.function = local.function;
-    d.fitted.support = local.support;
-    place(d.fitted);
+    d.fitted = leaf_of(fitter_, local);
     return d;
   }
 
@@ -128,13 +126,6 @@ class PaperTree {
       n += child.ids.size();
     }
     return squares * static_cast<double>(parent.support.samples) > parent.squares * static_cast<double>(n);
-  }
-
-  void place(FittedLeaf& leaf) const {
-    const float h = fitter_.block_edge(leaf.support.level);
-    place_patch(leaf.function, leaf.function.center - Vec3f{h, h, h} * 0.5f, h, leaf.support);
-    // A plane borrowed from far away is no surface in this block.
-    if (leaf.support.samples == 0) leaf.support.area = 0;
   }
 
   void count(const Decision& d) {
@@ -200,28 +191,19 @@ std::size_t leaves_to_balance(const PartitionOfUnity& field) {
 PartitionOfUnity fit_paper_partition(PointSet points, const PaperOptions& options, Progress& progress, PointSet* sorted,
                                      PaperReport* report) {
   options.validate();
-  if (points.size() < 4) throw DataError("partition of unity: at least 4 points are needed");
-  if (points.normals.size() != points.size()) throw DataError("partition of unity: points need oriented normals");
-  const Box3f box = bounds(points);
-  const float extent = std::max({box.size().x, box.size().y, box.size().z});
-  if (!(extent > 0)) throw DataError("partition of unity: all points coincide");
-
   PartitionData data;
   data.paper = options;
-  data.origin = points.origin;
-  data.edge = 1.1f * extent;
-  data.lower = box.center() - Vec3f{1, 1, 1} * (0.5f * data.edge);
+  const Box3f box = set_root_cube(points, data);
   const double limit = options.threshold * box.diagonal();
   data.options = in_common(options, limit);
 
   progress.begin("sort samples");
   data.basis.sort_depth = std::max(options.max_depth, 10);
-  SampleTree tree(std::move(points.positions), std::move(points.normals), data.lower, data.edge, data.basis.sort_depth);
-  const std::vector<std::uint32_t> order = tree.take_order();
+  SampleTree tree = sort_samples(points, data, sorted);
   const PaperFitter fitter(tree.positions(), tree.normals(), data.lower, data.edge, options, limit);
   PaperBlock root;
   root.ids.resize(tree.positions().size());
-  for (std::size_t i = 0; i < root.ids.size(); ++i) root.ids[i] = static_cast<std::uint32_t>(i);
+  std::iota(root.ids.begin(), root.ids.end(), 0u);
   PaperTree blocks(fitter);
   std::vector<FittedLeaf> leaves = blocks.grow(std::move(root), progress);
 
@@ -234,16 +216,7 @@ PartitionOfUnity fit_paper_partition(PointSet points, const PaperOptions& option
   for (const FittedLeaf& leaf : leaves) all.push_back(ref_of(leaf));
   assemble(all, data);
   report_on(data, tree.positions().size(), limit);
-  if (sorted) {
-    *sorted = PointSet{};
-    sorted->origin = points.origin;
-    if (points.has_colors()) {
-      sorted->colors.resize(order.size());
-      for (std::size_t i = 0; i < order.size(); ++i) sorted->colors[i] = points.colors[order[i]];
-    }
-    sorted->positions = tree.take_positions();
-    sorted->normals = tree.take_normals();
-  }
+  take_samples(tree, sorted);
   PartitionOfUnity field(std::move(data));
   if (report) {
     *report = blocks.report();

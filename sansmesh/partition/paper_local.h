@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "sansmesh/approximation/orthogonal_polynomials.h"
+#include "sansmesh/partition/leaf_fit.h"
 #include "sansmesh/partition/local_function.h"
 #include "sansmesh/partition/paper_options.h"
 #include "sansmesh/partition/partition_data.h"
@@ -81,5 +82,8 @@ class PaperFitter {
   double limit_;
   KdTree nearest_;
 };
+
+/// A leaf with the approximation of its support and its patch.
+FittedLeaf leaf_of(const PaperFitter& fitter, const PaperLocal& local);
 
 }  // namespace sansmesh::inline v1

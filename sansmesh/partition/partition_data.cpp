@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "sansmesh/core/check_range.h"
 #include "sansmesh/core/morton.h"
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
@@ -139,16 +140,12 @@ bool is_tree(const std::vector<PartitionData::Flatness>& levels) {
 }  // namespace
 
 void PartitionOptions::validate() const {
-  const auto check = [](bool ok, const std::string& what) {
-    if (!ok) throw ArgumentError(what);
-  };
-  check(!max_depth || (*max_depth >= kLeastDepth && *max_depth <= kMostDepth),
-        "`max_depth` must lie in " + std::to_string(kLeastDepth) + ".." + std::to_string(kMostDepth));
-  check(!error || (std::isfinite(*error) && *error > 0), "`error` must be a positive length");
-  check(!support || (*support >= 1.1 && *support <= 2), "`support` must lie in 1.1..2");
-  check(max_degree >= 1 && max_degree <= kMaxDegree, "`max_degree` must lie in 1..4");
-  check(min_samples >= 3 && min_samples <= 1000, "`min_samples` must lie in 3..1000");
-  check(max_samples >= 50, "`max_samples` must be at least 50");
+  if (max_depth) check_range("max_depth", *max_depth, kLeastDepth, kMostDepth);
+  check_argument(!error || (std::isfinite(*error) && *error > 0), "`error` must be a positive length");
+  if (support) check_range("support", *support, 1.1, 2);
+  check_range("max_degree", max_degree, 1, kMaxDegree);
+  check_range("min_samples", min_samples, 3, 1000);
+  check_argument(max_samples >= 50, "`max_samples` must be at least 50");
 }
 
 void PartitionData::find_slopes() {

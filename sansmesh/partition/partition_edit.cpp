@@ -282,8 +282,7 @@ EditResult set_degree(const PartitionData& data, const Selection& chosen, int de
   }
   SampleTree tree = tree_around(data, blocks_of(data, chosen), samples);
   tree.build_levels(data.basis.finest);
-  const BlockFitter whole{tree, data.options, static_cast<float>(data.basis.support), data.basis.finest,
-                          static_cast<float>(data.basis.fit)};
+  const BlockFitter whole = fitter_of(tree, data.options, data.basis);
   progress.begin("fit again", chosen.size());
   std::vector<FittedLeaf> leaves(chosen.size());
   std::atomic<std::size_t> kept{0}, lower{0};
@@ -356,7 +355,7 @@ EditResult refit(const PartitionData& data, const Selection& chosen, const Parti
   const ScaleChoice choice = choose_scales_below(tree, options, basis, roots, progress);
   if (choice.leaves.empty()) throw DataError("the samples around the chosen supports are too few for any fit");
   const Selection served = in_served_blocks(data, chosen, roots, tree, choice);
-  const BlockFitter fitter{tree, options, choice.support, choice.finest, choice.fit};
+  const BlockFitter fitter = fitter_of(tree, options, choice);
   progress.begin("fit again", choice.leaves.size());
   std::vector<FittedLeaf> leaves(choice.leaves.size());
   parallel_ranges(0, leaves.size(), 64, [&](std::size_t first, std::size_t last) {

@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "sansmesh/core/parallel.h"
-#include "sansmesh/error.h"
 #include "sansmesh/partition/assemble.h"
 #include "sansmesh/partition/flatness.h"
 #include "sansmesh/partition/leaf_fit.h"
 #include "sansmesh/partition/openness.h"
+#include "sansmesh/partition/sorted_samples.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -83,14 +82,9 @@ double estimated_accuracy(const ScaleChoice& choice, double diagonal) {
 /// Fills in all of `data` except the position of the cube.
 void fit_samples(SampleTree& tree, double diagonal, PartitionData& data, Progress& progress) {
   ScaleChoice choice = choose_scales(tree, data.options, diagonal, progress);
-  data.basis.tried = choice.tried;
-  data.basis.finest = choice.finest;
-  data.basis.variance = choice.variance;
-  data.basis.accepted = choice.accepted;
-  data.basis.support = static_cast<double>(choice.support);
-  data.basis.fit = static_cast<double>(choice.fit);
-  data.basis.height = static_cast<double>(choice.height);
-  const BlockFitter fitter{tree, data.options, choice.support, choice.finest, choice.fit};
+  choice.sort_depth = data.basis.sort_depth;
+  data.basis = choice;
+  const BlockFitter fitter = fitter_of(tree, data.options, choice);
   fit_leaves(fitter, choice, data, progress);
   data.report.spacing = std::sqrt(data.report.area / static_cast<double>(tree.positions().size()));
   data.report.noise = std::sqrt(choice.variance);
@@ -106,37 +100,18 @@ void fit_samples(SampleTree& tree, double diagonal, PartitionData& data, Progres
 PartitionOfUnity fit_partition_of_unity(PointSet points, const PartitionOptions& options, Progress& progress,
                                         PointSet* sorted) {
   options.validate();
-  if (points.size() < 4) throw DataError("partition of unity: at least 4 points are needed");
-  if (points.normals.size() != points.size()) throw DataError("partition of unity: points need oriented normals");
-  const Box3f box = bounds(points);
-  const float extent = std::max({box.size().x, box.size().y, box.size().z});
-  if (!(extent > 0)) throw DataError("partition of unity: all points coincide");
-
   PartitionData data;
   data.options = options;
-  data.origin = points.origin;
-  data.edge = 1.1f * extent;
-  data.lower = box.center() - Vec3f{1, 1, 1} * (0.5f * data.edge);
-
+  const Box3f box = set_root_cube(points, data);
   progress.begin("sort samples");
   // Deep enough for about one sample in the finest occupied cells even where the cloud is densest.
   data.basis.sort_depth = std::clamp(options.max_depth.value_or(static_cast<int>(
                                          std::ceil(0.5 * std::log2(static_cast<double>(points.size())) + 1.5))),
                                      options.max_depth ? kLeastDepth : kLeastDepth + 1, kMostDepth);
-  SampleTree tree(std::move(points.positions), std::move(points.normals), data.lower, data.edge, data.basis.sort_depth);
-  if (sorted) *sorted = PointSet{};
-  if (const std::vector<std::uint32_t> order = tree.take_order(); sorted && points.has_colors()) {
-    sorted->colors.resize(order.size());
-    parallel_for(0, order.size(), 16384, [&](std::size_t i) { sorted->colors[i] = points.colors[order[i]]; });
-    points.colors = {};
-  }
+  SampleTree tree = sort_samples(points, data, sorted);
   fit_samples(tree, box.diagonal(), data, progress);
   progress.finish();
-  if (sorted) {
-    sorted->origin = points.origin;
-    sorted->positions = tree.take_positions();
-    sorted->normals = tree.take_normals();
-  }
+  take_samples(tree, sorted);
   return PartitionOfUnity(std::move(data));
 }
 

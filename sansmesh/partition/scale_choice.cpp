@@ -282,7 +282,7 @@ void spread_noise(const BlockFitter& fitter, ScaleChoice& choice) {
 /// Returns the evenness of the noise: its standard deviation at the lowest tenth over the median.
 double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
   double evenness = 0;
-  std::optional<int> told;  // last level with an estimate
+  std::optional<int> level_of_estimate;  // the last one
   for (;; --choice.finest) {
     pool_noise(fitter, choice);
     const std::vector<Trial>& trials = choice.trials[static_cast<std::size_t>(choice.finest)];
@@ -298,7 +298,7 @@ double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
     if (known >= kKnownNoise * static_cast<double>(fitter.tree.positions().size())) {
       const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
       std::nth_element(noises.begin(), middle, noises.end());
-      told = choice.finest;
+      level_of_estimate = choice.finest;
       choice.variance = *middle;
       const auto low = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / kLowestTenth);
       std::nth_element(noises.begin(), low, middle + 1);
@@ -307,7 +307,7 @@ double find_noise(const BlockFitter& fitter, ScaleChoice& choice) {
       if (std::sqrt(choice.variance) < most * fitter.fit_radius(choice.finest)) break;
     }
     if (choice.finest <= 2) {
-      choice.finest = told.value_or(choice.finest);
+      choice.finest = level_of_estimate.value_or(choice.finest);
       break;
     }
   }
@@ -428,15 +428,15 @@ double spacing_of(const BlockFitter& fitter, const ScaleChoice& choice) {
 }  // namespace
 
 float ScaleChoice::noisiness() const {
-  return std::max(0.0f, support - fit) / static_cast<float>(kNoisySupport - kNoisyFit);
+  return std::max(0.0f, static_cast<float>(support) - static_cast<float>(fit)) /
+         static_cast<float>(kNoisySupport - kNoisyFit);
 }
 
 ScaleChoice choose_scales(SampleTree& tree, const PartitionOptions& options, double diagonal, Progress& progress) {
   ScaleChoice choice;
   int finest = choice.tried = choice.finest = finest_level(tree, options);
   tree.build_levels(finest);
-  choice.support = choice.fit = static_cast<float>(options.support.value_or(kSupport));
-  BlockFitter fitter{tree, options, choice.support, finest};
+  BlockFitter fitter{tree, options, static_cast<float>(options.support.value_or(kSupport)), finest};
   try_blocks(fitter, choice, progress);
   while (!options.max_depth && share_of_two_sheets(fitter, choice) > kThinCells &&
          has_company(tree, finest + 1, kThinCompany)) {
@@ -451,14 +451,15 @@ ScaleChoice choose_scales(SampleTree& tree, const PartitionOptions& options, dou
     const double noisy = std::clamp((ratio - kLittleNoise) / (kMuchNoise - kLittleNoise), 0.0, 1.0) *
                          std::clamp((evenness - kShapeEvenness) / (kNoiseEvenness - kShapeEvenness), 0.0, 1.0);
     if (noisy > 0) {
-      choice.support = fitter.support = static_cast<float>(kSupport + noisy * (kNoisySupport - kSupport));
-      choice.fit = fitter.fit = static_cast<float>(kSupport + noisy * (kNoisyFit - kSupport));
-      choice.height = fitter.height = static_cast<float>(kNoiseHeight * std::sqrt(choice.variance));
+      fitter.support = static_cast<float>(kSupport + noisy * (kNoisySupport - kSupport));
+      fitter.fit = static_cast<float>(kSupport + noisy * (kNoisyFit - kSupport));
+      fitter.height = static_cast<float>(kNoiseHeight * std::sqrt(choice.variance));
       choice.finest = finest;
       try_blocks(fitter, choice, progress);
       find_noise(fitter, choice);
     }
   }
+  choice.support = fitter.support, choice.fit = fitter.fit, choice.height = fitter.height;
   refit_finest(fitter, choice);
   progress.begin("choose scale");
   choice.trials.resize(static_cast<std::size_t>(choice.finest) + 1);
@@ -472,14 +473,10 @@ ScaleChoice choose_scales(SampleTree& tree, const PartitionOptions& options, dou
 
 ScaleChoice choose_scales_below(const SampleTree& tree, const PartitionOptions& options, const ScaleBasis& basis,
                                 std::span<const BlockKey> roots, Progress& progress) {
-  ScaleChoice choice;
-  choice.tried = choice.finest = basis.tried;
-  choice.variance = basis.variance;
-  choice.accepted = basis.accepted;
-  choice.support = static_cast<float>(basis.support);
-  choice.fit = static_cast<float>(basis.fit);
-  choice.height = static_cast<float>(basis.height);
-  BlockFitter fitter{tree, options, choice.support, basis.tried, choice.fit, choice.height};
+  ScaleChoice choice{basis, {}, {}};
+  choice.finest = basis.tried;
+  BlockFitter fitter = fitter_of(tree, options, choice);
+  fitter.height = static_cast<float>(basis.height);
   int deepest = 0;
   for (const BlockKey& root : roots) deepest = std::max(deepest, root.level);
   const Wanted wanted = wanted_below(tree, roots, basis.finest);

@@ -44,15 +44,8 @@ struct Leaf {
 };
 
 /// Trial fits of all blocks with samples, on all levels, and the resulting choices.
-struct ScaleChoice {
-  int tried = 0;         ///< finest level that was tried
-  int finest = 0;        ///< finest level that was accepted
-  double variance = 0;   ///< variance of the noise (length²)
-  double accepted = 0;   ///< rms error that needs no subdivision (length)
-  float support = 1.5f;  ///< radius of a support / circumscribed radius of its block
-  float fit = 1.5f;      ///< radius of the initial ball of samples of a fit / circumscribed radius of its block
+struct ScaleChoice : ScaleBasis {
   std::vector<std::vector<Trial>> trials;  ///< by level and cell
-  float height = 0;                        ///< BlockFitter::height of the trials (length)
   std::vector<Leaf> leaves;                ///< in Morton order
 
   /// 0: hardly any noise, to 1: as much as the spacing. 0 also if the options set the size of supports.

@@ -20,17 +20,21 @@ constexpr float kAgreement = 0.35f;
 /// Number of steps from piece to piece onto a crease.
 constexpr int kSteps = 8;
 
-/// Value of a support at x, including its crease.
-float support_value(const PartitionData& data, std::uint32_t i, const Vec3f& x) {
+/// Value of a support at x, including its crease, and the piece that it comes from.
+struct SupportValue {
+  float value;
+  const LocalFunction* piece;
+};
+SupportValue support_value(const PartitionData& data, std::uint32_t i, const Vec3f& x) {
   const LocalFunction* f = &data.functions[i];
-  float value = local_value(*f, x);
+  SupportValue found{local_value(*f, x), f};
   while (f->next != 0) {
     const bool convex = f->convex != 0;
     f = &data.functions[static_cast<std::size_t>(f->next) - 1];
     const float other = local_value(*f, x);
-    value = convex ? std::max(value, other) : std::min(value, other);
+    if (convex ? other > found.value : other < found.value) found = {other, f};
   }
-  return value;
+  return found;
 }
 
 /// A point of a support on the surface. The foot of a creased support is on its first piece, possibly beyond the
@@ -40,16 +44,8 @@ Vec3f place_on_surface(const PartitionData& data, std::uint32_t i) {
   if (!s.creased) return s.foot;
   Vec3f x = data.functions[i].center;
   for (int step = 0; step < kSteps; ++step) {
-    const LocalFunction* f = &data.functions[i];
-    const LocalFunction* taken = f;
-    float value = local_value(*f, x);
-    while (f->next != 0) {
-      const bool convex = f->convex != 0;
-      f = &data.functions[static_cast<std::size_t>(f->next) - 1];
-      const float other = local_value(*f, x);
-      if (convex ? other > value : other < value) value = other, taken = f;
-    }
-    x -= taken->nu * value;
+    const SupportValue found = support_value(data, i, x);
+    x -= found.piece->nu * found.value;
   }
   return x;
 }
@@ -58,8 +54,8 @@ bool same_sheet(const PartitionData& data, std::span<const Vec3f> places, std::u
   const Support &a = data.supports[i], &b = data.supports[j];
   const float edge = data.edge / static_cast<float>(1u << std::max(a.level, b.level));
   if (!a.creased && !b.creased && dot(data.functions[i].nu, data.functions[j].nu) <= 0) return false;
-  const bool there = std::abs(support_value(data, i, places[j])) <= kAgreement * edge;
-  const bool back = std::abs(support_value(data, j, places[i])) <= kAgreement * edge;
+  const bool there = std::abs(support_value(data, i, places[j]).value) <= kAgreement * edge;
+  const bool back = std::abs(support_value(data, j, places[i]).value) <= kAgreement * edge;
   // A support with hardly any samples beyond a crease continues a face past it, where no neighbour agrees.
   return a.creased || b.creased ? there || back : there && back;
 }

@@ -138,12 +138,10 @@ std::optional<BlockTree> crease_blocks(const PiecewiseField& field, const Box3& 
     std::vector<std::uint8_t> cut(candidates.size(), 1);
     if (l >= kCreaseBaseLevel) choose(field, options, centers, half, cut);
     level.clear();
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      if (!cut[i]) continue;
-      if (tree.size() > most) return std::nullopt;
-      const auto child = static_cast<std::uint32_t>(tree.subdivide(candidates[i]));
-      for (std::uint32_t c = 0; c < 8; ++c) level.push_back(child + c);
-    }
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+      if (cut[i]) level.push_back(candidates[i]);
+    if (!level.empty() && tree.size() + 8 * (level.size() - 1) > most) return std::nullopt;
+    level = tree.subdivide_all(level);
     progress.advance();
   }
   progress.finish();

@@ -24,45 +24,37 @@ struct BilateralNormals::State {
 };
 
 void BilateralOptions::validate() const {
-  const auto check = [](bool ok, const char* what) {
-    if (!ok) throw ArgumentError(what);
-  };
-  check(!height || (std::isfinite(*height) && *height > 0), "`height` must be a positive length");
+  check_argument(!height || (std::isfinite(*height) && *height > 0), "`height` must be a positive length");
   if (smoothing) check_range("smoothing", *smoothing, 0.5, 20);
-  check(std::isfinite(turn) && turn > 0, "`turn` must be positive");
+  check_argument(std::isfinite(turn) && turn > 0, "`turn` must be positive");
   check_range("iterations", iterations, 0, 20);
   check_range("epsilon", epsilon, 0.05, 20);
-  check(!bandwidth || (std::isfinite(*bandwidth) && *bandwidth > 0), "`bandwidth` must be a positive length");
+  check_argument(!bandwidth || (std::isfinite(*bandwidth) && *bandwidth > 0), "`bandwidth` must be a positive length");
 }
 
-BilateralNormals::BilateralNormals(const SurfaceSamples& samples, const BilateralOptions& options)
-    : state_(std::make_unique<State>()) {
+BilateralNormals::BilateralNormals(const SurfaceSamples& samples, const BilateralOptions& options) {
   options.validate();
-  state_->iterations = options.iterations;
-  state_->inverse_turn = static_cast<float>(1 / (options.turn * options.turn));
+  const auto state = std::make_shared<State>();
+  state->iterations = options.iterations;
+  state->inverse_turn = static_cast<float>(1 / (options.turn * options.turn));
   const double noise = samples.noise / samples.median_spacing;
-  const bool laguerre = options.formula == BilateralOptions::Formula::laguerre;
+  const bool laguerre = options.formula == SharpFormula::laguerre;
   const bool gaussian = laguerre || options.weights == SurfaceWeights::gaussian;
-  if (gaussian)
-    state_->formula = laguerre ? detail::NormalFormula::laguerre : detail::NormalFormula::bilateral_gaussian;
+  if (gaussian) state->formula = laguerre ? detail::NormalFormula::laguerre : detail::NormalFormula::bilateral_gaussian;
   const double smoothing = std::min(kSmoothing + 1.5 * noise, 5.0);
-  auto widths = detail::weight_widths(samples, options.smoothing.value_or(smoothing), options.bandwidth,
-                                      gaussian ? SurfaceWeights::gaussian : SurfaceWeights::compact);
+  const SurfaceWeights weights = gaussian ? SurfaceWeights::gaussian : SurfaceWeights::compact;
+  auto widths = detail::weight_widths(samples, options.smoothing.value_or(smoothing), options.bandwidth, weights);
   if (laguerre)
     for (float& w : widths) w /= static_cast<float>(std::sqrt(options.epsilon));
-  state_->candidates = detail::Candidates(
-      samples, widths, gaussian ? detail::WeightKind::gaussian : detail::WeightKind::compact, default_reach(samples));
-  if (gaussian) state_->candidates.count_alike();
+  state->candidates = detail::Candidates(samples, widths, weights, default_reach(samples));
+  if (gaussian) state->candidates.equalize_areas();
   for (std::size_t i = 0; i < samples.size(); ++i) {
     const double height = options.height.value_or(kHeightOverSpacing * static_cast<double>(samples.spacing[i]) +
                                                   kHeightOverNoise * samples.noise);
-    state_->candidates.all()[i].inverse_height = static_cast<float>(1 / (2 * height * height));
+    state->candidates.all()[i].inverse_height = static_cast<float>(1 / (2 * height * height));
   }
+  state_ = state;
 }
-
-BilateralNormals::BilateralNormals(BilateralNormals&&) noexcept = default;
-BilateralNormals& BilateralNormals::operator=(BilateralNormals&&) noexcept = default;
-BilateralNormals::~BilateralNormals() = default;
 
 void BilateralNormals::refine(std::span<const Vec3> x, std::span<Vec3> normals, std::span<double> heights) const {
   std::fill(heights.begin(), heights.end(), 0.0);

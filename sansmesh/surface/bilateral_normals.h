@@ -13,7 +13,6 @@
 namespace sansmesh::inline v1 {
 
 struct BilateralOptions {
-  using Formula = SharpFormula;
   /// σ: samples farther than this from the tangent plane at the point have low weight (length); default: a third of the
   /// local spacing, plus the noise.
   std::optional<double> height = {};
@@ -38,9 +37,6 @@ class BilateralNormals : public NormalField {
  public:
   /// Throws ArgumentError for invalid options.
   BilateralNormals(const SurfaceSamples& samples, const BilateralOptions& options);
-  BilateralNormals(BilateralNormals&&) noexcept;
-  BilateralNormals& operator=(BilateralNormals&&) noexcept;
-  ~BilateralNormals() override;
 
   void refine(std::span<const Vec3> x, std::span<Vec3> normals) const override { refine(x, normals, {}); }
   /// `heights`, if not empty: heights of x over the weighted mean of the tangent planes of the contributing samples
@@ -49,7 +45,7 @@ class BilateralNormals : public NormalField {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<const State> state_;
 };
 
 /// Heights over the planes of each face as values, refined normals as gradients. Moves points next to the surface of

@@ -37,9 +37,10 @@ void check_width(const SurfaceSamples& samples, double width) {
                         " times the spacing of the samples: at most 20 times the largest spacing is allowed");
 }
 
-Candidates::Candidates(const SurfaceSamples& samples, const std::vector<float>& widths, WeightKind kind, double reach)
+Candidates::Candidates(const SurfaceSamples& samples, const std::vector<float>& widths, SurfaceWeights weights,
+                       double reach)
     : candidates_(samples.size()), extent_(kGroupExtent * samples.median_spacing) {
-  const bool gaussian = kind == WeightKind::gaussian;
+  const bool gaussian = weights == SurfaceWeights::gaussian;
   std::vector<float> radii(samples.size());
   Box3f box;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -64,7 +65,7 @@ Candidates::Candidates(const SurfaceSamples& samples, const std::vector<float>& 
   bounds_ = {Vec3(box.lower), Vec3(box.upper)};
 }
 
-void Candidates::count_alike() {
+void Candidates::equalize_areas() {
   for (Candidate& c : candidates_) c.weight = 1;
 }
 

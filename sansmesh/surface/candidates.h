@@ -13,12 +13,6 @@
 
 namespace sansmesh::inline v1::detail {
 
-enum class WeightKind {
-  /// (1 − d²/(2h)²)⁴: differs from exp(−d²/h²) by less than 0.075, with a third of the neighbours.
-  compact,
-  gaussian  ///< exp(−d²/h²), cut off at √12 h
-};
-
 /// Widths h of the weights: `smoothing` × local spacing, or one length for all. For Gaussians without a length:
 /// `smoothing` × median spacing for all.
 std::vector<float> weight_widths(const SurfaceSamples& samples, double smoothing, const std::optional<double>& width,
@@ -31,11 +25,12 @@ void check_width(const SurfaceSamples& samples, double width);
 class Candidates {
  public:
   Candidates() = default;
-  /// `reach`: radius of the domain's balls over the local spacing (at most the support).
-  Candidates(const SurfaceSamples& samples, const std::vector<float>& widths, WeightKind kind, double reach);
+  /// `weights`: compact weights differ from Gaussians by less than 0.075, with a third of the neighbours. `reach`:
+  /// radius of the domain's balls over the local spacing (at most the support).
+  Candidates(const SurfaceSamples& samples, const std::vector<float>& widths, SurfaceWeights weights, double reach);
 
   /// Gives all samples the same weight, regardless of their area.
-  void count_alike();
+  void equalize_areas();
   /// Access for further data that the kernels need of each sample; positions are relative to the cloud's origin.
   std::vector<Candidate>& all() { return candidates_; }
   const Box3& bounds() const { return bounds_; }

@@ -11,7 +11,7 @@
 namespace sansmesh::inline v1 {
 namespace {
 
-using Quantity = CurvatureColorOptions::Quantity;
+using Quantity = CurvatureQuantity;
 
 constexpr std::size_t kNear = 8;     ///< number of samples that a colour is mixed from
 constexpr double kFullColor = 0.95;  ///< quantile of the absolute values with the full colour

@@ -16,8 +16,7 @@
 namespace sansmesh::inline v1 {
 
 struct CurvatureColorOptions {
-  using Quantity = CurvatureQuantity;
-  Quantity quantity = Quantity::mean;
+  CurvatureQuantity quantity = CurvatureQuantity::mean;
   /// Absolute value with the full colour (1 / length, for `gaussian` 1 / length²; > 0). Default: the value that one
   /// sample in twenty exceeds.
   std::optional<double> range = {};
@@ -27,7 +26,7 @@ struct CurvatureColorOptions {
 };
 
 /// The quantity of these curvatures, defined or not.
-float curvature_quantity(const PrincipalCurvatures& curvatures, CurvatureColorOptions::Quantity quantity);
+float curvature_quantity(const PrincipalCurvatures& curvatures, CurvatureQuantity quantity);
 
 /// Red where convex, blue where concave, white where flat. Gaussian curvature: red where both principal curvatures have
 /// the same sign, blue at saddles. The curvature at a point is that of the samples around it, on the same sheet as the

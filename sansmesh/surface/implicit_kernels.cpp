@@ -175,6 +175,39 @@ HWY_INLINE void Laguerre(const V& r, V& value, V& derivative) {
 /// Sum of the generating functions over a plane, relative to the Gaussians alone.
 constexpr float LaguerreMean(int order) { return order == 2 ? 1.0f : order == 4 ? 1.5f : 1.875f; }
 
+HWY_INLINE void AddScaled(Lanes& sum, const V& weight, float x, float y, float z) {
+  sum.x = pn::MulAdd(weight, Constant(x), sum.x);
+  sum.y = pn::MulAdd(weight, Constant(y), sum.y);
+  sum.z = pn::MulAdd(weight, Constant(z), sum.z);
+}
+/// Adds a sample's share that belongs to another sheet.
+HWY_INLINE void AddSample(const Candidate& c, const V& rest, const V& own, OtherSheet& other) {
+  other.w = hn::Add(other.w, rest);
+  other.plane = pn::MulAdd(rest, Constant(c.plane), other.plane);
+  AddScaled(other.x, rest, c.x, c.y, c.z);
+  AddScaled(other.n, rest, c.nx, c.ny, c.nz);
+  AddScaled(other.own, own, c.x, c.y, c.z);
+}
+
+/// Tangent plane of the nearest sample (hoppe1992).
+template <bool kGradient>
+struct NearestPlane {
+  V nearest;  ///< squared distance
+  Num<kGradient> plane;
+
+  HWY_INLINE void Add(const Candidate& c, const V& d2, const V& dx, const V& dy, const V& dz, const V& same,
+                      const V& weight) {
+    const V far = hn::Div(d2, hn::Max(same, Constant(1e-3f)));
+    // Samples are visited because they reach some point of the vector, not necessarily this one.
+    const auto closer = hn::And(hn::Lt(far, nearest), hn::Gt(weight, hn::Zero(Tag())));
+    nearest = hn::IfThenElse(closer, far, nearest);
+    const V height = pn::MulAdd(dx, Constant(c.nx), pn::MulAdd(dy, Constant(c.ny), hn::Mul(dz, Constant(c.nz))));
+    Num<kGradient> own = Number(height, static_cast<const Num<kGradient>*>(nullptr));
+    if constexpr (kGradient) own.x = Constant(c.nx), own.y = Constant(c.ny), own.z = Constant(c.nz);
+    plane = Select(closer, own, plane);
+  }
+};
+
 /// Second pass of amenta2004: ½⟨n, ∇e⟩ with e the weighted mean of the squared distances along n. For their sum, as in
 /// the source, points where the weights decrease fastest are extrema as well: at 0.8 widths from the surface, and as
 /// near as that to it where noise puts samples on either side.
@@ -224,6 +257,29 @@ HWY_INLINE void StoreGradient(const Num<kGradient>& f, std::size_t at, GroupValu
   }
 }
 
+template <bool kGradient>
+HWY_INLINE void AddCovariance(const Candidate& c, const Num<kGradient>& w, const Num3<kGradient>& point,
+                              Sums<kGradient>& s) {
+  const Num<kGradient> u = point.x + Constant(-c.x), v = point.y + Constant(-c.y), z = point.z + Constant(-c.z);
+  const Num<kGradient> wu = w * u, wv = w * v;
+  s.xx = s.xx + wu * u, s.xy = s.xy + wu * v, s.xz = s.xz + wu * z;
+  s.yy = s.yy + wv * v, s.yz = s.yz + wv * z, s.zz = s.zz + w * z * z;
+}
+
+/// Value of the formulas that need no second pass; `mean` for others.
+template <ImplicitFormula kFormula, int kOrder, bool kGradient>
+HWY_INLINE Num<kGradient> FromSums(const Sums<kGradient>& s, const Num3<kGradient>& point, const Num<kGradient>& mean) {
+  if constexpr (kFormula == ImplicitFormula::adamson) return Adamson(s, point);
+  if constexpr (kFormula == ImplicitFormula::adamson_covariance) {
+    const Num3<kGradient> n = LeastCovariance(s);
+    return Dot(point, n) - Dot(s.x, n) / s.w;
+  }
+  if constexpr (kFormula == ImplicitFormula::apss) return AlgebraicSphere(s, point);
+  if constexpr (kFormula == ImplicitFormula::amls)
+    return (Dot(point, s.m) - s.plane_m) / s.w * Constant(1 / LaguerreMean(kOrder));
+  return mean;
+}
+
 template <ImplicitFormula kFormula, int kOrder, bool kGaussian, bool kGradient, bool kNormals = false>
 void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidates, const PointGroup& group,
               GroupValues& out) {
@@ -248,8 +304,7 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
                       nought3, nought, nought, nought, nought,  nought,  nought};
     OtherSheet other{zero, zero, {zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}};
     V inside = Constant(-1);
-    V nearest = Constant(1e30f);  // hoppe
-    N nearest_plane = nought;
+    NearestPlane<kGradient> nearest{Constant(1e30f), nought};
     for (const Candidate& c : candidates) {
       const V dx = hn::Sub(p.x, Constant(c.x)), dy = hn::Sub(p.y, Constant(c.y)), dz = hn::Sub(p.z, Constant(c.z));
       const V d2 = pn::MulAdd(dx, dx, pn::MulAdd(dy, dy, hn::Mul(dz, dz)));
@@ -260,41 +315,19 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
         same = SameSheet(c, near);
         const V rest = pn::NegMulAdd(w.v, same, w.v);
         w = w * same;
-        other.w = hn::Add(other.w, rest);
-        other.plane = pn::MulAdd(rest, Constant(c.plane), other.plane);
-        const auto add = [&](const V& weight, float x, float y, float z, Lanes& sum) {
-          sum.x = pn::MulAdd(weight, Constant(x), sum.x);
-          sum.y = pn::MulAdd(weight, Constant(y), sum.y);
-          sum.z = pn::MulAdd(weight, Constant(z), sum.z);
-        };
-        add(rest, c.x, c.y, c.z, other.x);
-        add(rest, c.nx, c.ny, c.nz, other.n);
-        add(w.v, c.x, c.y, c.z, other.own);
+        AddSample(c, rest, w.v, other);
       }
       inside = hn::Max(inside, pn::NegMulAdd(d2, Constant(c.inverse_reach), one));
+      s.w = s.w + w;
       if constexpr (kFormula == ImplicitFormula::hoppe) {
-        const V far = hn::Div(d2, hn::Max(same, Constant(1e-3f)));
-        // Samples are visited because they reach some point of the vector, not necessarily this one.
-        const auto closer = hn::And(hn::Lt(far, nearest), hn::Gt(w.v, zero));
-        nearest = hn::IfThenElse(closer, far, nearest);
-        const V height = pn::MulAdd(dx, Constant(c.nx), pn::MulAdd(dy, Constant(c.ny), hn::Mul(dz, Constant(c.nz))));
-        N plane = Number(height, kTag);
-        if constexpr (kGradient) plane.x = Constant(c.nx), plane.y = Constant(c.ny), plane.z = Constant(c.nz);
-        nearest_plane = Select(closer, plane, nearest_plane);
-        s.w = s.w + w;
+        nearest.Add(c, d2, dx, dy, dz, same, w.v);
         continue;
       }
-      s.w = s.w + w;
       AddMul(s.n, w, c.nx, c.ny, c.nz);
       s.plane = AddMul(s.plane, w, Constant(c.plane));
       s.inverse_height = AddMul(s.inverse_height, w, Constant(c.inverse_height));
       if constexpr (kPositions) AddMul(s.x, w, c.x, c.y, c.z);
-      if constexpr (kCovariance) {
-        const N u = point.x + Constant(-c.x), v = point.y + Constant(-c.y), z = point.z + Constant(-c.z);
-        const N wu = w * u, wv = w * v;
-        s.xx = s.xx + wu * u, s.xy = s.xy + wu * v, s.xz = s.xz + wu * z;
-        s.yy = s.yy + wv * v, s.yz = s.yz + wv * z, s.zz = s.zz + w * z * z;
-      }
+      if constexpr (kCovariance) AddCovariance(c, w, point, s);
       if constexpr (kFormula == ImplicitFormula::apss) s.square = AddMul(s.square, w, Constant(c.square));
       if constexpr (kFormula == ImplicitFormula::amls) {
         V laguerre, slope;
@@ -316,19 +349,11 @@ void Evaluate(const ImplicitKernel& kernel, std::span<const Candidate> candidate
       continue;
     }
     if constexpr (kFormula == ImplicitFormula::hoppe) {
-      StoreGradient(nearest_plane, at, out);
+      StoreGradient(nearest.plane, at, out);
       continue;
     }
     const N mean = MeanPlane(s, point);
-    N f = mean;
-    if constexpr (kFormula == ImplicitFormula::adamson) f = Adamson(s, point);
-    if constexpr (kCovariance) {
-      const Num3<kGradient> n = LeastCovariance(s);
-      f = Dot(point, n) - Dot(s.x, n) / s.w;
-    }
-    if constexpr (kFormula == ImplicitFormula::apss) f = AlgebraicSphere(s, point);
-    if constexpr (kFormula == ImplicitFormula::amls)
-      f = (Dot(point, s.m) - s.plane_m) / s.w * Constant(1 / LaguerreMean(kOrder));
+    N f = FromSums<kFormula, kOrder>(s, point, mean);
     if constexpr (kFormula == ImplicitFormula::extremal)
       f = Extremal<kGaussian>(candidates, p, point, s, kernel.sheets, near);
     if constexpr (kFormula != ImplicitFormula::kolluri) f = NearSurface(f, mean, s);

@@ -34,7 +34,7 @@ detail::ImplicitFormula formula_of(const ImplicitOptions& options) {
     case ImplicitMethod::hoppe:
       return F::hoppe;
     case ImplicitMethod::adamson:
-      return options.normal == ImplicitOptions::Normal::covariance ? F::adamson_covariance : F::adamson;
+      return options.normal == SurfaceNormal::covariance ? F::adamson_covariance : F::adamson;
     case ImplicitMethod::kolluri:
     case ImplicitMethod::dey:
       return F::kolluri;
@@ -168,20 +168,19 @@ ImplicitMethod implicit_method(std::string_view name) {
 }
 
 void ImplicitOptions::validate() const {
-  const auto check = [](bool ok, const char* what) {
-    if (!ok) throw ArgumentError(what);
-  };
   if (smoothing) check_range("smoothing", *smoothing, 0.5, 20);
-  check(!bandwidth || (std::isfinite(*bandwidth) && *bandwidth > 0), "`bandwidth` must be a positive length");
-  check(!order || *order == 2 || *order == 4 || *order == 6, "`order` must be 2, 4 or 6");
+  check_argument(!bandwidth || (std::isfinite(*bandwidth) && *bandwidth > 0), "`bandwidth` must be a positive length");
+  check_argument(!order || *order == 2 || *order == 4 || *order == 6, "`order` must be 2, 4 or 6");
   if (iterations) check_range("iterations", *iterations, 0, 100);
   if (reach) check_range("reach", *reach, 0.5, 10);
   if (epsilon) check_range("epsilon", *epsilon, 0.05, 20);
-  check(weights == SurfaceWeights::compact || method != ImplicitMethod::hoppe, "the surface hoppe has no `weights`");
-  check(!epsilon || method == ImplicitMethod::amls, "only the surface amls has `epsilon`");
-  check(normal != Normal::covariance || method == ImplicitMethod::adamson,
-        "only the surface adamson has `normal` = covariance");
-  check(normal != Normal::iterated || method == ImplicitMethod::amls, "only the surface amls has `normal` = iterated");
+  check_argument(weights == SurfaceWeights::compact || method != ImplicitMethod::hoppe,
+                 "the surface hoppe has no `weights`");
+  check_argument(!epsilon || method == ImplicitMethod::amls, "only the surface amls has `epsilon`");
+  check_argument(normal != SurfaceNormal::covariance || method == ImplicitMethod::adamson,
+                 "only the surface adamson has `normal` = covariance");
+  check_argument(normal != SurfaceNormal::iterated || method == ImplicitMethod::amls,
+                 "only the surface amls has `normal` = iterated");
 }
 
 double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {
@@ -193,7 +192,7 @@ double default_smoothing(const SurfaceSamples& samples, ImplicitMethod method) {
 
 ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOptions& options, Progress& progress) {
   options.validate();
-  auto state = std::make_unique<ImplicitSurface::State>();
+  auto state = std::make_shared<ImplicitSurface::State>();
   const bool amls = options.method == ImplicitMethod::amls;
   const bool gaussian = options.weights == SurfaceWeights::gaussian;
   ImplicitOptions chosen = options;
@@ -233,11 +232,10 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
   if (amls) planes = detail::iterate_planes(samples, widths, iteration, progress);
 
   progress.begin("supports");
-  using detail::WeightKind;
-  state->candidates = detail::Candidates(samples, widths, amls || gaussian ? WeightKind::gaussian : WeightKind::compact,
+  state->candidates = detail::Candidates(samples, widths, amls ? SurfaceWeights::gaussian : options.weights,
                                          options.reach.value_or(default_reach(samples)));
   const std::size_t n = samples.size();
-  if (gaussian) state->candidates.count_alike();
+  if (gaussian) state->candidates.equalize_areas();
   const bool crowds = gaussian && options.method == ImplicitMethod::kolluri;
   const std::vector<float> shares = crowds ? shares_of_crowds(samples, widths) : std::vector<float>{};
   for (std::size_t i = 0; i < n; ++i) {
@@ -257,11 +255,6 @@ ImplicitSurface make_implicit_surface(SurfaceSamples samples, const ImplicitOpti
   progress.finish();
   return ImplicitSurface(std::move(state));
 }
-
-ImplicitSurface::ImplicitSurface(std::unique_ptr<State> state) : state_(std::move(state)) {}
-ImplicitSurface::~ImplicitSurface() = default;
-ImplicitSurface::ImplicitSurface(ImplicitSurface&&) noexcept = default;
-ImplicitSurface& ImplicitSurface::operator=(ImplicitSurface&&) noexcept = default;
 
 Box3 ImplicitSurface::bounds() const { return state_->candidates.bounds(); }
 const SurfaceSamples& ImplicitSurface::samples() const { return state_->samples; }

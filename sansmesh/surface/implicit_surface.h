@@ -33,7 +33,6 @@ inline constexpr std::string_view kImplicitMethods[] = {"hoppe",    "adamson", "
 ImplicitMethod implicit_method(std::string_view name);
 
 struct ImplicitOptions {
-  using Normal = SurfaceNormal;
   ImplicitMethod method = ImplicitMethod::apss;
   /// Width h of the weights, exp(−d²/h²) or the similar compact (1 − d²/(2h)²)⁴, as a multiple of the local spacing of
   /// the samples, 0.5..20; default: from the noise.
@@ -69,10 +68,6 @@ struct ImplicitReport {
 /// weights of the choice of sheet, and beyond the supports all weights, are treated as constant.
 class ImplicitSurface : public ScalarField {
  public:
-  ~ImplicitSurface() override;
-  ImplicitSurface(ImplicitSurface&&) noexcept;
-  ImplicitSurface& operator=(ImplicitSurface&&) noexcept;
-
   Box3 bounds() const override;
   void evaluate(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients = {}) const override;
   void evaluate_in_domain(std::span<const Vec3> x, std::span<double> values, std::span<Vec3> gradients,
@@ -92,8 +87,8 @@ class ImplicitSurface : public ScalarField {
 
  private:
   friend ImplicitSurface make_implicit_surface(SurfaceSamples, const ImplicitOptions&, Progress&);
-  explicit ImplicitSurface(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit ImplicitSurface(std::shared_ptr<const State> state) : state_(std::move(state)) {}
+  std::shared_ptr<const State> state_;
 };
 
 /// Iterated normals of an amls surface.

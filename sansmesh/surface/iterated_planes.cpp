@@ -10,11 +10,10 @@
 #include "sansmesh/core/parallel.h"
 #include "sansmesh/error.h"
 #include "sansmesh/search/ball_tree.h"
+#include "sansmesh/surface/sample_group.h"
 
 namespace sansmesh::inline v1::detail {
 namespace {
-
-constexpr double kEnd = 12;  // largest exponent of the Gaussians, as in the kernels
 
 double laguerre(int order, double r) {
   if (order == 2) return 1;
@@ -34,7 +33,7 @@ class Rows {
   Rows(const SurfaceSamples& samples, const std::vector<float>& widths, const IterationOptions& options)
       : samples_(samples), widths_(widths), options_(options) {
     std::vector<float> radii = widths;
-    for (float& r : radii) r *= static_cast<float>(std::sqrt(kEnd));
+    for (float& r : radii) r *= static_cast<float>(std::sqrt(double{kGaussianEnd}));
     tree_ = BallTree(samples.positions, radii);
   }
 
@@ -52,7 +51,7 @@ class Rows {
       const Vec3f d = x - samples_.positions[j];
       const double width = static_cast<double>(widths_[j]);
       const double r = static_cast<double>(squared_norm(d)) / (width * width);
-      if (r >= kEnd) continue;
+      if (r >= double{kGaussianEnd}) continue;
       // Area of the sample and selection of its sheet, as in the kernels.
       const double s = options_.alike ? 1 : static_cast<double>(samples_.spacing[j]);
       double weight = std::exp(-r) * s * s;

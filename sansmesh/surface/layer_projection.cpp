@@ -24,9 +24,9 @@ void LayerOptions::validate() const {
   if (!predictor && !corrector) throw ArgumentError("`predictor` or `corrector` is needed");
 }
 
-LayerProjection::LayerProjection(const LayerSamples& samples, const LayerOptions& options)
-    : state_(std::make_unique<State>()) {
+LayerProjection::LayerProjection(const LayerSamples& samples, const LayerOptions& options) {
   options.validate();
+  const auto state = std::make_shared<State>();
   SurfaceSamples s;
   s.positions = samples.positions, s.normals = samples.normals, s.spacing = samples.spacing;
   std::vector<float> sorted = samples.spacing;
@@ -35,28 +35,25 @@ LayerProjection::LayerProjection(const LayerSamples& samples, const LayerOptions
   for (std::size_t i = 0; i < s.size(); ++i) {
     const float r = samples.reach[i];
     if (!(r > 0)) continue;
-    state_->balls.centers.push_back(samples.positions[i]);
-    state_->balls.radii.push_back(r);
+    state->balls.centers.push_back(samples.positions[i]);
+    state->balls.radii.push_back(r);
     box.extend(samples.positions[i] - Vec3f{r, r, r});
     box.extend(samples.positions[i] + Vec3f{r, r, r});
   }
-  if (state_->balls.centers.empty()) throw DataError("no sample is near the surface");
-  state_->bounds = {Vec3(box.lower), Vec3(box.upper)};
+  if (state->balls.centers.empty()) throw DataError("no sample is near the surface");
+  state->bounds = {Vec3(box.lower), Vec3(box.upper)};
   const std::vector<float> widths = detail::weight_widths(s, options.smoothing, {});
-  state_->candidates = detail::Candidates(s, widths, detail::WeightKind::compact, 1);
+  state->candidates = detail::Candidates(s, widths, SurfaceWeights::compact, 1);
   for (std::size_t i = 0; i < s.size(); ++i) {
-    detail::Candidate& c = state_->candidates.all()[i];
+    detail::Candidate& c = state->candidates.all()[i];
     const float r = samples.reach[i];
     c.weight = samples.weights[i];
     c.inverse_reach = r > 0 ? 1 / (r * r) : 1e30f;
   }
-  state_->kernel = {options.predictor, options.corrector, options.alternating, options.line_search,
-                    options.separate_sheets};
+  state->kernel = {options.predictor, options.corrector, options.alternating, options.line_search,
+                   options.separate_sheets};
+  state_ = state;
 }
-
-LayerProjection::~LayerProjection() = default;
-LayerProjection::LayerProjection(LayerProjection&&) noexcept = default;
-LayerProjection& LayerProjection::operator=(LayerProjection&&) noexcept = default;
 
 Box3 LayerProjection::bounds() const { return state_->bounds; }
 BallUnion LayerProjection::balls() const { return state_->balls; }

@@ -41,10 +41,6 @@ class LayerProjection : public Projection {
  public:
   /// Throws ArgumentError for invalid options, DataError if no sample has a ball.
   LayerProjection(const LayerSamples& samples, const LayerOptions& options);
-  ~LayerProjection() override;
-  LayerProjection(LayerProjection&&) noexcept;
-  LayerProjection& operator=(LayerProjection&&) noexcept;
-
   Box3 bounds() const override;
   void project(std::span<const Vec3> x, std::span<FootPoint> feet) const override;
   /// Balls of the samples with reach > 0.
@@ -52,7 +48,7 @@ class LayerProjection : public Projection {
 
  private:
   struct State;
-  std::unique_ptr<State> state_;
+  std::shared_ptr<const State> state_;
 };
 
 }  // namespace sansmesh::inline v1

@@ -4,10 +4,11 @@
 #include <array>
 #include <cmath>
 
+#include "sansmesh/surface/sample_group.h"
+
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr double kGaussianReach = 12;  // largest exponent, as in the kernels
 constexpr int kMostSteps = 200;
 constexpr double kLongestStep = 0.3;  // in widths, or in radians
 constexpr double kFlat = 1e-10;       // derivatives over the sum of the weights, lengths in widths
@@ -41,7 +42,7 @@ struct Chart {
 double WeighedSample::weight(double square, double* slope) const {
   if (gaussian) {
     const double exponent = square * inverse_width;
-    const double w = exponent < kGaussianReach ? factor * std::exp(-exponent) : 0;
+    const double w = exponent < double{kGaussianEnd} ? factor * std::exp(-exponent) : 0;
     if (slope) *slope = -inverse_width * w;
     return w;
   }

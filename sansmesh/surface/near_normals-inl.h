@@ -37,7 +37,6 @@ struct CompactWeight {
 };
 
 /// exp(−ε d²/h²), cut off at exp(−kGaussianEnd).
-constexpr float kGaussianEnd = 12;
 template <bool kGradient>
 struct GaussianWeight {
   HWY_INLINE static bool Evaluate(const Candidate& c, const V& d2, const V& dx, const V& dy, const V& dz,

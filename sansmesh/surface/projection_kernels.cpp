@@ -12,8 +12,6 @@ HWY_BEFORE_NAMESPACE();
 namespace sansmesh::inline v1::detail {
 namespace HWY_NAMESPACE {
 
-constexpr int kLevinSteps = 6;  // steps of the minimisation over plane and offset
-
 /// levin2003, alexa2003: a plane, then the weighted least-squares quadratic polynomial over it, about q.
 template <bool kGaussian>
 HWY_INLINE void QuadraticFoot(std::span<const Candidate> candidates, const Lanes& q, const Plane& plane, bool sheets,
@@ -129,7 +127,7 @@ void Project(const ProjectionKernel& kernel, std::span<const Candidate> candidat
     if (kernel.sheets)
       near = NearNormals<std::conditional_t<kGaussian, GaussianWeight<false>, CompactWeight<false>>>(candidates, r);
     V inside;
-    if (kernel.formula == ProjectionFormula::curvature) {
+    if (kernel.method == ProjectionMethod::curvature) {
       const Plane plane = FitPlane<false, kGaussian>(candidates, r, kernel.sheets, near, &inside);
       const Lanes q = Along(r, plane.normal, plane.distance);
       const auto foot = [&](auto tau) {
@@ -150,7 +148,7 @@ void Project(const ProjectionKernel& kernel, std::span<const Candidate> candidat
     Lanes q = Along(r, plane.normal, plane.distance);
     // alexa2003 uses weights about r. Levin's plane is the minimum over direction and offset, with weights about its
     // own foot q: a fixed point of the same step with r = q, for which q stays on the line through r.
-    if (kernel.formula == ProjectionFormula::levin) {
+    if (kernel.method == ProjectionMethod::levin) {
       for (int k = 0; k < kLevinSteps; ++k) {
         plane = PlaneBelow<kGaussian>(candidates, q, r, kernel.sheets, near);
         q = Along(r, plane.normal, plane.distance);

@@ -10,7 +10,7 @@
 #include "sansmesh/surface/feet_of_groups.h"
 #include "sansmesh/surface/implicit_surface.h"
 #include "sansmesh/surface/projection_kernels.h"
-#include "sansmesh/surface/source_projection.h"
+#include "sansmesh/surface/published_projection.h"
 
 namespace sansmesh::inline v1 {
 namespace {
@@ -20,17 +20,6 @@ namespace {
 constexpr double kMore = 0.1, kFewer = 0.2, kMostSmoothing = 5;
 /// The same for the polynomials of 3, 6, 10 and 15 unknowns.
 constexpr double kMoreOfDegree[] = {0, 0, kMore, 0.3, 0.5};
-
-detail::ProjectionFormula formula_of(ProjectionMethod method) {
-  if (method == ProjectionMethod::levin) return detail::ProjectionFormula::levin;
-  if (method == ProjectionMethod::alexa) return detail::ProjectionFormula::alexa;
-  return detail::ProjectionFormula::curvature;
-}
-
-detail::ProjectionFlow flow_of(ProjectionOptions::Flow flow) {
-  if (flow == ProjectionOptions::Flow::normal) return detail::ProjectionFlow::normal;
-  return flow == ProjectionOptions::Flow::free ? detail::ProjectionFlow::free : detail::ProjectionFlow::fit;
-}
 
 }  // namespace
 
@@ -48,29 +37,28 @@ ProjectionMethod projection_method(std::string_view name) {
 }
 
 void ProjectionOptions::validate() const {
-  const auto check = [](bool ok, const char* what) {
-    if (!ok) throw ArgumentError(what);
-  };
   if (smoothing) check_range("smoothing", *smoothing, 0.5, 20);
-  check(!bandwidth || (std::isfinite(*bandwidth) && *bandwidth > 0), "`bandwidth` must be a positive length");
+  check_argument(!bandwidth || (std::isfinite(*bandwidth) && *bandwidth > 0), "`bandwidth` must be a positive length");
   if (reach) check_range("reach", *reach, 0.5, 10);
-  check(std::isfinite(threshold) && threshold > 0, "`threshold` must be positive");
-  check(tau >= 1 && tau <= 3, "`tau` must be 1, 2 or 3");
-  check(flow == Flow::fit || method == ProjectionMethod::curvature, "only the surface curvature has `flow`");
-  check(plane == Plane::iterated || method == ProjectionMethod::levin, "only the surface levin has `plane`");
-  check(polynomial == Polynomial::quadratic || method != ProjectionMethod::curvature,
-        "only the surfaces levin and alexa have `polynomial`");
+  check_argument(std::isfinite(threshold) && threshold > 0, "`threshold` must be positive");
+  check_argument(tau >= 1 && tau <= 3, "`tau` must be 1, 2 or 3");
+  check_argument(flow == SurfaceFlow::fit || method == ProjectionMethod::curvature,
+                 "only the surface curvature has `flow`");
+  check_argument(plane == SurfacePlane::iterated || method == ProjectionMethod::levin,
+                 "only the surface levin has `plane`");
+  check_argument(polynomial == SurfacePolynomial::quadratic || method != ProjectionMethod::curvature,
+                 "only the surfaces levin and alexa have `polynomial`");
 }
 
 ProjectionSurface make_projection_surface(SurfaceSamples samples, const ProjectionOptions& options,
                                           Progress& progress) {
   options.validate();
   if (options.bandwidth) detail::check_width(samples, *options.bandwidth);
-  auto state = std::make_unique<ProjectionSurface::State>();
+  auto state = std::make_shared<ProjectionSurface::State>();
   progress.begin("supports");
   const double ratio = samples.noise / samples.median_spacing;
   const bool curvature = options.method == ProjectionMethod::curvature;
-  const bool incomplete = options.polynomial == ProjectionOptions::Polynomial::incomplete;
+  const bool incomplete = options.polynomial == SurfacePolynomial::incomplete;
   const int degree = incomplete ? 2 : static_cast<int>(options.polynomial);
   const double more = kMoreOfDegree[degree] - (curvature ? std::max(kFewer - ratio, 0.0) : 0.0);
   state->smoothing = options.smoothing.value_or(std::min(default_smoothing(samples) + more, kMostSmoothing));
@@ -79,30 +67,23 @@ ProjectionSurface make_projection_surface(SurfaceSamples samples, const Projecti
   const std::vector<float> widths =
       detail::weight_widths(samples, state->smoothing, options.bandwidth, options.weights);
   state->candidates =
-      detail::Candidates(samples, widths, gaussian ? detail::WeightKind::gaussian : detail::WeightKind::compact,
-                         options.reach.value_or(default_reach(samples)));
-  if (gaussian) state->candidates.count_alike();
-  using Diffusion = ProjectionOptions::Diffusion;
-  state->kernel = {formula_of(options.method),
+      detail::Candidates(samples, widths, options.weights, options.reach.value_or(default_reach(samples)));
+  if (gaussian) state->candidates.equalize_areas();
+  state->kernel = {options.method,
                    options.separate_sheets,
                    gaussian,
-                   options.diffusion != Diffusion::none,
-                   options.diffusion == Diffusion::hard,
+                   options.diffusion != SurfaceDiffusion::none,
+                   options.diffusion == SurfaceDiffusion::hard,
                    static_cast<float>(options.threshold),
                    options.tau,
-                   flow_of(options.flow),
-                   options.plane == ProjectionOptions::Plane::nonlinear,
+                   options.flow,
+                   options.plane == SurfacePlane::nonlinear,
                    degree,
                    incomplete};
   state->samples = std::move(samples);
   progress.finish();
   return ProjectionSurface(std::move(state));
 }
-
-ProjectionSurface::ProjectionSurface(std::unique_ptr<State> state) : state_(std::move(state)) {}
-ProjectionSurface::~ProjectionSurface() = default;
-ProjectionSurface::ProjectionSurface(ProjectionSurface&&) noexcept = default;
-ProjectionSurface& ProjectionSurface::operator=(ProjectionSurface&&) noexcept = default;
 
 Box3 ProjectionSurface::bounds() const { return state_->candidates.bounds(); }
 BallUnion ProjectionSurface::balls() const { return {state_->samples.positions, state_->candidates.reach()}; }
@@ -115,8 +96,8 @@ void ProjectionSurface::project(std::span<const Vec3> x, std::span<FootPoint> fe
                              detail::GroupFeet& out) {
                            detail::ProjectionKernel how = state_->kernel;
                            how.sheets = how.sheets && mixed;
-                           if (how.by_source())
-                             detail::project_group_by_source(how, chosen, group, out);
+                           if (how.as_published())
+                             detail::project_group_as_published(how, chosen, group, out);
                            else
                              detail::project_group(how, chosen, group, out);
                          });

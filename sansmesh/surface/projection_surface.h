@@ -8,15 +8,10 @@
 #include "sansmesh/field/ball_union.h"
 #include "sansmesh/field/projection.h"
 #include "sansmesh/progress.h"
+#include "sansmesh/surface/projection_kernels.h"
 #include "sansmesh/surface/surface_samples.h"
 
 namespace sansmesh::inline v1 {
-
-enum class ProjectionMethod {
-  levin,     ///< plane of least weighted squares over direction and offset, then a polynomial (levin2003)
-  alexa,     ///< the same with weights about the point itself: one step (alexa2003)
-  curvature  ///< mean plane, then principal curvatures from directional ones (tejada2008, 4.2)
-};
 
 /// Names in the order of the enumerators.
 inline constexpr std::string_view kProjectionMethods[] = {"levin", "alexa", "curvature"};
@@ -24,10 +19,6 @@ inline constexpr std::string_view kProjectionMethods[] = {"levin", "alexa", "cur
 ProjectionMethod projection_method(std::string_view name);
 
 struct ProjectionOptions {
-  using Polynomial = SurfacePolynomial;
-  using Plane = SurfacePlane;
-  using Flow = SurfaceFlow;
-  using Diffusion = SurfaceDiffusion;
   ProjectionMethod method = ProjectionMethod::curvature;
   /// Width of the weights over the local spacing, 0.5..20; default: from the noise.
   std::optional<double> smoothing = {};
@@ -48,10 +39,6 @@ struct ProjectionOptions {
 
 class ProjectionSurface : public Projection {
  public:
-  ~ProjectionSurface() override;
-  ProjectionSurface(ProjectionSurface&&) noexcept;
-  ProjectionSurface& operator=(ProjectionSurface&&) noexcept;
-
   Box3 bounds() const override;
   void project(std::span<const Vec3> x, std::span<FootPoint> feet) const override;
 
@@ -63,8 +50,8 @@ class ProjectionSurface : public Projection {
 
  private:
   friend ProjectionSurface make_projection_surface(SurfaceSamples, const ProjectionOptions&, Progress&);
-  explicit ProjectionSurface(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit ProjectionSurface(std::shared_ptr<const State> state) : state_(std::move(state)) {}
+  std::shared_ptr<const State> state_;
 };
 
 /// Throws ArgumentError for invalid options.

@@ -15,6 +15,8 @@ namespace sansmesh::inline v1::detail {
 /// Number of points evaluated together, one per lane; at least the widest SIMD width, so that groups do not depend on
 /// it.
 constexpr std::size_t kGroup = 16;
+/// Weights exp(−ε d²/h²) are cut off at exp(−kGaussianEnd).
+constexpr float kGaussianEnd = 12;
 
 /// One sample for the kernels, one cache line; lengths relative to the group's centre.
 struct alignas(64) Candidate {

@@ -25,6 +25,17 @@ std::size_t BlockTreeN<N>::subdivide(std::size_t i) {
 }
 
 template <int N>
+std::vector<std::uint32_t> BlockTreeN<N>::subdivide_all(std::span<const std::uint32_t> leaves) {
+  std::vector<std::uint32_t> children;
+  children.reserve(kChildren * leaves.size());
+  for (const std::uint32_t leaf : leaves) {
+    const auto first = static_cast<std::uint32_t>(subdivide(leaf));
+    for (std::uint32_t c = 0; c < kChildren; ++c) children.push_back(first + c);
+  }
+  return children;
+}
+
+template <int N>
 std::int64_t BlockTreeN<N>::find(int level, const Cell& cell) const {
   const std::int64_t n = std::int64_t{1} << level;
   for (const std::int64_t c : cell)

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace sansmesh::inline v1 {
@@ -38,6 +39,9 @@ class BlockTreeN {
   /// Divides a leaf into 2ᴺ blocks; returns the index of its first child. Throws ArgumentError beyond kMaxLevel,
   /// DataError beyond kMostBlocks.
   std::size_t subdivide(std::size_t i);
+
+  /// Divides some leaves; returns their children, in order. Throws as subdivide().
+  std::vector<std::uint32_t> subdivide_all(std::span<const std::uint32_t> leaves);
 
   /// Deepest block of at most `level` that contains this cell of that level; -1 outside the root.
   std::int64_t find(int level, const Cell& cell) const;

@@ -14,20 +14,18 @@ namespace sansmesh::inline v1 {
 /// independently, on several threads; `scratch` is a reusable buffer of indices.
 template <class Divides>
 void divide_blocks(BlockTree& tree, int levels, const Divides& divides) {
-  std::vector<std::size_t> level{0}, next;
+  std::vector<std::uint32_t> level{0};
   for (int depth = 0; depth < levels && !level.empty(); ++depth) {
     std::vector<std::uint8_t> divided(level.size());
     parallel_ranges(0, level.size(), 64, [&](std::size_t first, std::size_t last) {
       std::vector<std::uint32_t> scratch;
       for (std::size_t i = first; i < last; ++i) divided[i] = divides(level[i], scratch);
     });
-    next.clear();
-    for (std::size_t i = 0; i < level.size(); ++i) {
-      if (!divided[i]) continue;
-      const std::size_t first = tree.subdivide(level[i]);
-      for (std::size_t k = 0; k < 8; ++k) next.push_back(first + k);
-    }
-    level.swap(next);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < level.size(); ++i)
+      if (divided[i]) level[kept++] = level[i];
+    level.resize(kept);
+    level = tree.subdivide_all(level);
   }
 }
 

@@ -27,6 +27,7 @@ Solid load(const std::string& name) {
   throw FileError(name, "no such file");
 }
 
+// One table of texts and the solids that they mean.
 TEST(ParseCsg, MeansWhatTheFunctionsDo) {
   struct Case {
     const char* text;

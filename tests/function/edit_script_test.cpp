@@ -89,6 +89,7 @@ TEST(EditScript, WordsNotesAndNoSteps) {
   EXPECT_TRUE(parse_edit_script(edit_script({})).empty());
 }
 
+// One table of wrong scripts.
 TEST(EditScript, WhatIsWrongIsNamed) {
   struct Case {
     std::string script;

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "sansmesh/error.h"
+#include "sansmesh/function/mesh_field.h"
 #include "sansmesh/measure/mesh_signed_distance.h"
 #include "sansmesh/meshing/mesh_csg.h"
 #include "support/edged_shapes.h"

@@ -69,7 +69,7 @@ TEST(CurvatureJob, LengthsAreThoseOfTheInput) {
   EXPECT_FALSE(made.report.beyond_range);
   EXPECT_NE(made.points.attributes.find("d2z"), nullptr);
   EXPECT_EQ(made.points.colors.size(), cloud.size());
-  const CurvatureResult gauss = curvature(cloud, {.color_by = CurvatureColorOptions::Quantity::gaussian}, progress);
+  const CurvatureResult gauss = curvature(cloud, {.color_by = CurvatureQuantity::gaussian}, progress);
   EXPECT_NEAR(gauss.report.median, 0.04, 0.004);
 }
 

@@ -201,7 +201,7 @@ TEST(SameBits, ImplicitSurfaces) {
 TEST(SameBits, Projections) {
   const PointSet cloud = sphere(1500, 0.004);
   const std::vector<Vec3> x = places_near(cloud, 0.05, 3);
-  using Diffusion = ProjectionOptions::Diffusion;
+  using Diffusion = SurfaceDiffusion;
   for (const std::string_view name : kProjectionMethods)
     for (const Diffusion diffusion : {Diffusion::none, Diffusion::soft, Diffusion::hard}) {
       SCOPED_TRACE(name);

@@ -12,7 +12,7 @@ namespace {
 
 using test::Curved;
 using test::curved_cloud;
-using Quantity = CurvatureColorOptions::Quantity;
+using Quantity = CurvatureQuantity;
 
 TEST(CurvatureColors, MapIsBlueWhiteRedAndEven) {
   const Vec3f blue = diverging_color(-1), white = diverging_color(0), red = diverging_color(1);

@@ -61,9 +61,9 @@ class SourceWeights : public testing::TestWithParam<SurfaceWeights> {};
 
 /// adamson2003: f = ⟨n, x − a⟩, n the direction of least Σ w ⟨n, x − x_i⟩².
 TEST_P(SourceWeights, AdamsonsNormalIsTheDirectionOfLeastCovariance) {
-  const ImplicitSurface surface = make_of_source(
-      test::torus(3000),
-      {.method = ImplicitMethod::adamson, .weights = GetParam(), .normal = ImplicitOptions::Normal::covariance});
+  const ImplicitSurface surface =
+      make_of_source(test::torus(3000),
+                     {.method = ImplicitMethod::adamson, .weights = GetParam(), .normal = SurfaceNormal::covariance});
   const test::Weighed all(surface.samples(), kWideWeights, GetParam());
   expect_formula(
       surface, [&](const Vec3& x) { return dot(all.least_covariance(x, x), x - all.mean(x)); },
@@ -182,7 +182,7 @@ TEST(Amls, EpsilonAndWidthAndTheIteratedNormalsAreTheSources) {
                               .iterations = iterations,
                               .epsilon = epsilon,
                               .weights = SurfaceWeights::gaussian,
-                              .normal = ImplicitOptions::Normal::iterated};
+                              .normal = SurfaceNormal::iterated};
       const ImplicitSurface surface = make_of_source(test::torus(1200), options);
       const test::Weighed all(surface.samples(), kWideWeights, SurfaceWeights::gaussian);
       const double h = kWideWeights * surface.report().spacing;
@@ -237,8 +237,8 @@ TEST(SharpNormals, LaguerreWeightsAreTheFormula) {
   Progress progress;
   const SurfaceSamples samples = prepare_samples(test::cube(3000), progress, 0.0);
   const double h = kWideWeights * samples.median_spacing, sigma = 0.4 * samples.median_spacing, epsilon = 0.7;
-  for (const auto formula : {BilateralOptions::Formula::laguerre, BilateralOptions::Formula::bilateral}) {
-    const bool laguerre = formula == BilateralOptions::Formula::laguerre;
+  for (const auto formula : {SharpFormula::laguerre, SharpFormula::bilateral}) {
+    const bool laguerre = formula == SharpFormula::laguerre;
     const BilateralNormals field(samples, {.height = sigma,
                                            .smoothing = kWideWeights,
                                            .iterations = 1,
@@ -292,7 +292,7 @@ TEST(SharpNormals, LaguerreWeightsSharpenEdges) {
   Progress progress;
   const ImplicitSurface field =
       make_implicit_surface(prepare_samples(cloud, progress, 0.0), {.smoothing = 3}, progress);
-  const BilateralNormals normals(field.samples(), {.formula = BilateralOptions::Formula::laguerre});
+  const BilateralNormals normals(field.samples(), {.formula = SharpFormula::laguerre});
   const double s = field.report().spacing;
   std::vector<Vec3> x;
   for (double y = -0.8; y <= 0.8; y += 0.01) x.push_back({1, y, 1 - 1.3 * s});
@@ -312,8 +312,7 @@ TEST(SharpNormals, LaguerreWeightsSharpenEdges) {
 TEST(SharpNormals, LaguerreWeightsKeepTheSide) {
   Progress progress;
   const SurfaceSamples samples = prepare_samples(test::cube(4000), progress, 0.0);
-  const BilateralNormals field(samples,
-                               {.smoothing = 5, .iterations = 1, .formula = BilateralOptions::Formula::laguerre});
+  const BilateralNormals field(samples, {.smoothing = 5, .iterations = 1, .formula = SharpFormula::laguerre});
   std::vector<Vec3> x, normals;
   std::mt19937 random(5);
   std::normal_distribution<double> g;
@@ -353,8 +352,8 @@ TEST(ImplicitSources, AreRefusedWhereTheyMeanNothing) {
   };
   refused({.epsilon = 1}, "epsilon");
   refused({.method = ImplicitMethod::amls, .epsilon = 0}, "epsilon");
-  refused({.normal = ImplicitOptions::Normal::covariance}, "normal");
-  refused({.method = ImplicitMethod::adamson, .normal = ImplicitOptions::Normal::iterated}, "normal");
+  refused({.normal = SurfaceNormal::covariance}, "normal");
+  refused({.method = ImplicitMethod::adamson, .normal = SurfaceNormal::iterated}, "normal");
   refused({.method = ImplicitMethod::hoppe, .weights = SurfaceWeights::gaussian}, "weights");
   EXPECT_THROW(BilateralOptions{.epsilon = 0}.validate(), ArgumentError);
   const ImplicitSurface spheres = make_of_source(test::sphere(500), {});

@@ -7,7 +7,7 @@
 
 #include "sansmesh/error.h"
 #include "sansmesh/surface/projection_surface.h"
-#include "sansmesh/surface/source_projection.h"
+#include "sansmesh/surface/published_projection.h"
 #include "source_references.h"
 #include "support/clouds.h"
 #include "support/sanitizers.h"
@@ -16,10 +16,10 @@ namespace sansmesh::inline v1 {
 namespace {
 
 using detail::WeighedSample;
-using Plane = ProjectionOptions::Plane;
-using Polynomial = ProjectionOptions::Polynomial;
-using Flow = ProjectionOptions::Flow;
-using Diffusion = ProjectionOptions::Diffusion;
+using Plane = SurfacePlane;
+using Polynomial = SurfacePolynomial;
+using Flow = SurfaceFlow;
+using Diffusion = SurfaceDiffusion;
 
 constexpr double kWidePlanes = 1.6;
 

@@ -147,7 +147,7 @@ TEST(CurvatureProjection, DiffusionIgnoresOutliers) {
   std::mt19937 random(4);
   std::uniform_real_distribution<float> off(0.03f, 0.06f);
   for (std::size_t i = 0; i < cloud.size(); i += 25) cloud.positions[i] *= 1 + off(random);
-  const auto error = [&](ProjectionOptions::Diffusion diffusion) {
+  const auto error = [&](SurfaceDiffusion diffusion) {
     const ProjectionSurface p = make(cloud, {.smoothing = 1.8, .diffusion = diffusion});
     const PointSet clean = test::sphere(3000);
     const std::vector<Vec3> x(clean.positions.begin(), clean.positions.end());
@@ -157,9 +157,9 @@ TEST(CurvatureProjection, DiffusionIgnoresOutliers) {
     for (const FootPoint& f : feet) sum += std::abs(norm(f.position) - 1);
     return sum / static_cast<double>(feet.size());
   };
-  const double none = error(ProjectionOptions::Diffusion::none);
-  EXPECT_LT(error(ProjectionOptions::Diffusion::soft), 0.75 * none);
-  EXPECT_LT(error(ProjectionOptions::Diffusion::hard), 0.75 * none);
+  const double none = error(SurfaceDiffusion::none);
+  EXPECT_LT(error(SurfaceDiffusion::soft), 0.75 * none);
+  EXPECT_LT(error(SurfaceDiffusion::hard), 0.75 * none);
 }
 
 TEST(CurvatureProjection, RefusesBadOptions) {

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <random>
 #include <set>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -99,5 +100,19 @@ class BalancedTree final : public BlockView<N> {
   BlockCell<N> roots_;
   std::set<Block> inner_;
 };
+
+/// One block of level 0.
+template <int N>
+BlockCell<N> one_root() {
+  BlockCell<N> roots;
+  roots.fill(1);
+  return roots;
+}
+
+/// Orders simplices in sets.
+template <int N>
+auto key(const Simplex<N>& s) {
+  return std::tuple(s.level, s.cell, s.axis, s.sign, s.extra, s.steps);
+}
 
 }  // namespace sansmesh::inline v1

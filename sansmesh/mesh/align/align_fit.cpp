@@ -130,7 +130,7 @@ bool alike_normals(const Vec3& a, const Vec3& b, bool signs) {
 
 template <class Surface>
 FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Similarity& start,
-                   const FitOptions& options) {
+                   const PoseFitOptions& options) {
   FitResult result;
   result.pose = start;
   double reach = options.reach > 0 ? options.reach : 1.5 * distance_of_most(moving, fixed, start);
@@ -159,8 +159,8 @@ FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Sim
   result.reach = reach;
   return result;
 }
-template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Similarity&, const FitOptions&);
-template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Similarity&, const FitOptions&);
+template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Similarity&, const PoseFitOptions&);
+template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Similarity&, const PoseFitOptions&);
 
 namespace {
 

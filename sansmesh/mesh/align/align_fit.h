@@ -10,7 +10,7 @@
 
 namespace sansmesh::inline v1::detail {
 
-struct FitOptions {
+struct PoseFitOptions {
   int iterations = 40;
   double reach = 0;        ///< initial largest distance (0: one that contains most samples)
   double least_reach = 0;  ///< final largest distance
@@ -39,9 +39,9 @@ bool alike_normals(const Vec3& a, const Vec3& b, bool signs);
 /// foot)` evaluates the surface: a SampleSurface or a WholeSurface.
 template <class Surface>
 FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Similarity& start,
-                   const FitOptions& options);
-extern template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Similarity&, const FitOptions&);
-extern template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Similarity&, const FitOptions&);
+                   const PoseFitOptions& options);
+extern template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Similarity&, const PoseFitOptions&);
+extern template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Similarity&, const PoseFitOptions&);
 
 /// Overlap of two surfaces, 0..1: the mean, over the samples of both, of (1 − (distance / reach)²)², which is 0 for
 /// samples off the other surface.

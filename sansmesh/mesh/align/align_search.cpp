@@ -202,7 +202,7 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
   {
     std::vector<FoundPose> turned(kRotations + 4);
     const std::vector<Similarity> principal = principal_rotations(samples.moving, samples.fixed);
-    FitOptions fit;
+    PoseFitOptions fit;
     fit.iterations = 8;
     fit.least_reach = kCoarseReach * spacing;
     fit.signs = samples.signs;
@@ -233,7 +233,7 @@ std::vector<FoundPose> search_poses(const AlignSide& moving, const AlignSide& fi
   }
 
   progress.begin("refine poses", found.size());
-  FitOptions fit;
+  PoseFitOptions fit;
   fit.iterations = 25;
   fit.reach = 2 * kCoarseReach * spacing;
   fit.least_reach = kFineReach * spacing;

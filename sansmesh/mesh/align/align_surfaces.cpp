@@ -16,10 +16,10 @@ namespace sansmesh::inline v1 {
 namespace {
 
 using detail::AlignSide;
-using detail::FitOptions;
 using detail::FitResult;
 using detail::FoundPose;
 using detail::OrientedPoints;
+using detail::PoseFitOptions;
 using detail::SearchSamples;
 
 /// Overlap of both surfaces above which no global search is needed.
@@ -60,7 +60,7 @@ std::vector<double> left_between(const OrientedPoints& samples, const detail::Wh
 /// Fits to the surface itself, first with few samples, then with all.
 FitResult fit_closely(const OrientedPoints& few, const OrientedPoints& many, const detail::WholeSurface& fixed,
                       const Similarity& start, double reach, const SurfaceAlignmentOptions& options, bool signs) {
-  FitOptions fit;
+  PoseFitOptions fit;
   fit.iterations = options.iterations;
   fit.reach = reach;
   fit.least_reach = kLeastReach;
@@ -190,7 +190,7 @@ class SurfaceFit {
     const std::vector<FoundPose> poses = detail::search_poses(moving_, fixed_, coarse_, options_.find_scale, progress_);
     progress_.begin("fit", kComparedPoses);
     std::vector<std::pair<FitResult, double>> tried;
-    FitOptions fit;
+    PoseFitOptions fit;
     fit.iterations = std::min(options_.iterations, 30);
     fit.reach = 2 * coarse_.spacing;
     fit.least_reach = kLeastReach;

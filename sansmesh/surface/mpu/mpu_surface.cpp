@@ -93,7 +93,8 @@ struct MpuSurface::State {
   ValueRange range(const Vec3& x, double radius, std::vector<std::uint32_t>& near) const;
   Vec3 in_cube(const Vec3& x) const {
     Vec3 y;
-    for (std::size_t k = 0; k < 3; ++k) y[k] = std::clamp(x[k], tree.lower[k], tree.lower[k] + tree.edge);
+    for (std::size_t k = 0; k < 3; ++k)
+      y[k] = std::clamp(x[k], tree.cells.lower()[k], tree.cells.lower()[k] + tree.cells.edge());
     return y;
   }
 };
@@ -102,16 +103,16 @@ void MpuSurface::State::find_reach() {
   const std::size_t n = tree.leaves.size();
   std::vector<Vec3f> centers(n);
   std::vector<float> radii(n);
-  const double more = kRounding * tree.edge;
+  const double more = kRounding * tree.cells.edge();
   for (std::size_t i = 0; i < n; ++i) {
-    centers[i] = Vec3f(tree.leaves[i].center - tree.lower);
+    centers[i] = Vec3f(tree.leaves[i].center - tree.cells.lower());
     radii[i] = static_cast<float>(tree.leaves[i].radius + more);
   }
   balls = BallTree(centers, radii);
   std::vector<std::vector<std::uint32_t>> found(n);
   parallel_for(0, n, 256, [&](std::size_t i) {
     const double half = tree.leaves[i].edge / 2 + more;
-    const Vec3 c = tree.leaves[i].center - tree.lower, h{half, half, half};
+    const Vec3 c = tree.leaves[i].center - tree.cells.lower(), h{half, half, half};
     balls.touching({Vec3f(c - h), Vec3f(c + h)}, found[i]);
   });
   first_reach.assign(n + 1, 0);
@@ -151,7 +152,8 @@ void MpuSurface::State::evaluate(const Vec3& x, double& value, Vec3* gradient) c
 
 ValueRange MpuSurface::State::range(const Vec3& x, double radius, std::vector<std::uint32_t>& near) const {
   const Vec3 y = in_cube(x);
-  const Vec3f c(y - tree.lower), h = Vec3f{1, 1, 1} * static_cast<float>(radius + 2 * kRounding * tree.edge);
+  const Vec3f c(y - tree.cells.lower()),
+      h = Vec3f{1, 1, 1} * static_cast<float>(radius + 2 * kRounding * tree.cells.edge());
   ValueRange all{kUnknown, -kUnknown};
   if (!balls.touching({c - h, c + h}, kMostLeaves, near)) return {-kUnknown, kUnknown};
   for (const std::uint32_t i : near) {
@@ -164,14 +166,15 @@ ValueRange MpuSurface::State::range(const Vec3& x, double radius, std::vector<st
   const double beyond = norm(x - y) + radius;
   bool outside = false;
   for (std::size_t k = 0; k < 3; ++k)
-    outside = outside || x[k] - radius < tree.lower[k] || x[k] + radius > tree.lower[k] + tree.edge;
+    outside =
+        outside || x[k] - radius < tree.cells.lower()[k] || x[k] + radius > tree.cells.lower()[k] + tree.cells.edge();
   if (outside && all.least < 0) all.least -= beyond;
   if (outside && all.most > 0) all.most += beyond;
   const double rounding = 1e-12 * std::max(std::abs(all.least), std::abs(all.most));
   return {all.least - rounding, all.most + rounding};
 }
 
-Box3 MpuSurface::bounds() const { return state_->tree.bounds(); }
+Box3 MpuSurface::bounds() const { return state_->tree.cells.bounds(); }
 const MpuTree& MpuSurface::tree() const { return state_->tree; }
 const MpuReport& MpuSurface::report() const { return state_->report; }
 
@@ -181,7 +184,7 @@ void MpuSurface::evaluate(std::span<const Vec3> x, std::span<double> values, std
     for (std::size_t i = first; i < last; ++i) {
       Vec3* const gradient = gradients.empty() ? nullptr : &gradients[i];
       if (!is_finite(x[i])) {
-        values[i] = s.tree.edge;
+        values[i] = s.tree.cells.edge();
         if (gradient) *gradient = {};
         continue;
       }

@@ -29,11 +29,6 @@ constexpr double kLeastWeight = 1e-6;
 /// Edge of the cube over the longest side of the samples' box.
 constexpr double kRoom = 1.1;
 
-struct CellPlace {
-  std::uint32_t cell = 0;  ///< index in MpuTree::cells
-  std::array<std::uint32_t, 3> at{};
-};
-
 struct CellFit {
   bool divided = false;
   LocalShape shape;
@@ -177,59 +172,41 @@ CellFit CellFitter::fit(const Vec3& center, double edge, bool may_divide, FitWor
   return fit;
 }
 
-/// Writes the leaves below a cell in the order of the curve.
-class LeafNumbers {
- public:
-  LeafNumbers(MpuTree& tree, std::vector<CellFit>& fits) : tree_(tree), fits_(fits) {}
-
-  void number(std::uint32_t cell, const std::array<std::uint32_t, 3>& at, int level) {
-    const double edge = tree_.edge / static_cast<double>(1u << static_cast<unsigned>(level));
-    const std::int32_t first = tree_.cells[cell];
-    if (first > 0) {
-      for (std::uint32_t k = 0; k < 8; ++k)
-        number(static_cast<std::uint32_t>(first) + k,
-               {2 * at[0] + (k & 1), 2 * at[1] + (k >> 1 & 1), 2 * at[2] + (k >> 2)}, level + 1);
-      return;
-    }
-    const CellFit& fit = fits_[cell];
+/// Writes the leaves in the order of the curve.
+void number_leaves(const std::vector<CellFit>& fits, MpuTree& tree) {
+  tree.leaf_of.resize(tree.cells.size());
+  for (const std::uint32_t cell : tree.cells.leaves()) {
+    const CellFit& fit = fits[cell];
     MpuLeaf leaf;
-    leaf.center = cell_center(tree_, at, edge);
-    leaf.radius = kBall * std::sqrt(3.0) * edge;
-    leaf.edge = edge;
-    leaf.first_piece = static_cast<std::uint32_t>(tree_.pieces.size());
+    leaf.center = tree.cells.block_center(cell);
+    leaf.edge = tree.cells.block_edge(cell);
+    leaf.radius = kBall * std::sqrt(3.0) * leaf.edge;
+    leaf.first_piece = static_cast<std::uint32_t>(tree.pieces.size());
     leaf.samples = fit.samples;
     leaf.combination = fit.shape.combination;
     leaf.shape = fit.kind;
-    leaf.level = static_cast<std::uint8_t>(level);
-    for (std::size_t k = 0; k < leaf.combination.pieces; ++k) tree_.pieces.push_back(fit.shape.pieces[k]);
-    tree_.cells[cell] = -1 - static_cast<std::int32_t>(tree_.leaves.size());
-    tree_.leaves.push_back(leaf);
+    leaf.level = tree.cells[cell].level;
+    for (std::size_t k = 0; k < leaf.combination.pieces; ++k) tree.pieces.push_back(fit.shape.pieces[k]);
+    tree.leaf_of[cell] = static_cast<std::uint32_t>(tree.leaves.size());
+    tree.leaves.push_back(leaf);
   }
-
-  static Vec3 cell_center(const MpuTree& tree, const std::array<std::uint32_t, 3>& at, double edge) {
-    return tree.lower + Vec3{at[0] + 0.5, at[1] + 0.5, at[2] + 0.5} * edge;
-  }
-
- private:
-  MpuTree& tree_;
-  std::vector<CellFit>& fits_;
-};
+}
 
 }  // namespace
 
 std::size_t MpuTree::leaf_at(const Vec3& x) const {
   std::array<double, 3> t{};  // in cells of the level
-  for (std::size_t k = 0; k < 3; ++k) t[k] = std::clamp((x[k] - lower[k]) / edge, 0.0, 1 - 1e-15);
-  std::int32_t cell = cells[0];
-  while (cell > 0) {
-    std::int32_t child = 0;
+  for (std::size_t k = 0; k < 3; ++k) t[k] = std::clamp((x[k] - cells.lower()[k]) / cells.edge(), 0.0, 1 - 1e-15);
+  std::size_t cell = 0;
+  while (!cells.is_leaf(cell)) {
+    std::size_t child = 0;
     for (std::size_t k = 0; k < 3; ++k) {
       t[k] *= 2;
-      if (t[k] >= 1) t[k] -= 1, child += 1 << k;
+      if (t[k] >= 1) t[k] -= 1, child += std::size_t{1} << k;
     }
-    cell = cells[static_cast<std::size_t>(cell + child)];
+    cell = static_cast<std::size_t>(cells[cell].first_child) + child;
   }
-  return static_cast<std::size_t>(-1 - cell);
+  return leaf_of[cell];
 }
 
 MpuTree fit_mpu_tree(std::span<const Vec3f> positions, std::span<const Vec3f> normals, double error, int max_depth,
@@ -237,39 +214,26 @@ MpuTree fit_mpu_tree(std::span<const Vec3f> positions, std::span<const Vec3f> no
   Box3 box;
   for (const Vec3f& p : positions) box.extend(Vec3(p));
   const Vec3 size = box.empty() ? Vec3{} : box.size();
-  MpuTree tree;
-  tree.edge = kRoom * std::max({size.x, size.y, size.z});
-  if (!(tree.edge > 0)) throw DataError("all samples coincide: there is no surface");
-  tree.lower = box.center() - Vec3{tree.edge, tree.edge, tree.edge} * 0.5;
+  const double edge = kRoom * std::max({size.x, size.y, size.z});
+  if (!(edge > 0)) throw DataError("all samples coincide: there is no surface");
+  MpuTree tree{BlockTree(box.center() - Vec3{edge, edge, edge} * 0.5, edge), {}, {}, {}};
   const CellFitter fitter(positions, normals, error, sharp);
-  std::vector<CellPlace> level{{0, {0, 0, 0}}}, next;
+  std::vector<std::uint32_t> level{0};
   std::vector<CellFit> fits(1);
-  tree.cells.assign(1, 0);
   progress.begin("fit octree");
   for (int depth = 0; !level.empty(); ++depth) {
-    const double edge = tree.edge / static_cast<double>(1u << static_cast<unsigned>(depth));
     parallel_ranges(0, level.size(), 32, [&](std::size_t first, std::size_t last) {
       FitWork work;
       for (std::size_t i = first; i < last; ++i)
-        fits[level[i].cell] =
-            fitter.fit(LeafNumbers::cell_center(tree, level[i].at, edge), edge, depth < max_depth, work);
+        fits[level[i]] =
+            fitter.fit(tree.cells.block_center(level[i]), tree.cells.block_edge(level[i]), depth < max_depth, work);
       progress.check();
     });
-    next.clear();
-    for (const CellPlace& c : level) {
-      if (!fits[c.cell].divided) continue;
-      if (tree.cells.size() > std::size_t{0x7ffffff0})
-        throw DataError("the octree has too many cells: `error` is too small");
-      tree.cells[c.cell] = static_cast<std::int32_t>(tree.cells.size());
-      for (std::uint32_t k = 0; k < 8; ++k)
-        next.push_back({static_cast<std::uint32_t>(tree.cells.size()) + k,
-                        {2 * c.at[0] + (k & 1), 2 * c.at[1] + (k >> 1 & 1), 2 * c.at[2] + (k >> 2)}});
-      tree.cells.resize(tree.cells.size() + 8, 0);
-    }
+    std::erase_if(level, [&](std::uint32_t cell) { return !fits[cell].divided; });
+    level = tree.cells.subdivide_all(level);
     fits.resize(tree.cells.size());
-    level.swap(next);
   }
-  LeafNumbers(tree, fits).number(0, {0, 0, 0}, 0);
+  number_leaves(fits, tree);
   return tree;
 }
 

@@ -11,6 +11,7 @@
 #include "sansmesh/progress.h"
 #include "sansmesh/surface/mpu/local_shape.h"
 #include "sansmesh/surface/mpu/mpu_options.h"
+#include "sansmesh/triangulation/block_tree.h"
 #include "sansmesh/vec.h"
 
 namespace sansmesh::inline v1 {
@@ -34,14 +35,11 @@ struct MpuLeaf {
 };
 
 struct MpuTree {
-  Vec3 lower;       ///< corner of the cube
-  double edge = 0;  ///< edge of the cube
-  /// For each cell: the first of its eight children, in the order x + 2y + 4z; for a leaf, −1 − its number.
-  std::vector<std::int32_t> cells;
-  std::vector<MpuLeaf> leaves;  ///< in the order of their cells along the Morton curve
+  BlockTree cells{{}, 0};
+  std::vector<std::uint32_t> leaf_of;  ///< index in `leaves` of each cell that is a leaf
+  std::vector<MpuLeaf> leaves;         ///< in the order of their cells along the Morton curve
   std::vector<QuadricPiece> pieces;
 
-  Box3 bounds() const { return {lower, lower + Vec3{edge, edge, edge}}; }
   /// The leaf that contains x, a point of the cube.
   std::size_t leaf_at(const Vec3& x) const;
 };

@@ -1,4 +1,4 @@
-#include "sansmesh/surface/source_projection.h"
+#include "sansmesh/surface/published_projection.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,6 @@
 namespace sansmesh::inline v1::detail {
 namespace {
 
-constexpr int kIteratedSteps = 6;  // steps to Levin's plane, as in the kernels
 constexpr int kMostUnknowns = 15;  // degree 4
 /// A pivot below this share of its diagonal marks an unknown that the samples do not determine.
 constexpr double kDetermined = 1e-9;
@@ -139,17 +138,17 @@ double diffusion_function(const ProjectionKernel& kernel, double curvature, doub
 
 Foot project(const ProjectionKernel& kernel, std::span<const WeighedSample> samples, const Vec3& r) {
   MeanPlane plane = mean_plane(samples, r);
-  if (kernel.formula == ProjectionFormula::curvature) {
+  if (kernel.method == ProjectionMethod::curvature) {
     const Vec3 n = plane.normal;
     const Vec3 q = r + n * dot(n, plane.mean - r);
-    const Vec3 p = diffuse(samples, kernel, q, n, plane.width, kernel.flow == ProjectionFlow::normal);
+    const Vec3 p = diffuse(samples, kernel, q, n, plane.width, kernel.flow == SurfaceFlow::normal);
     const Vec3 chi = fit_directional_curvatures(samples, p, n, kernel.tau, plane.width);
     return {p, n, chi.x + chi.y, chi.z, chi.x - chi.y};
   }
   Vec3 n = least_squares_normal(plane);
   double t = dot(n, plane.mean - r);
-  if (kernel.formula == ProjectionFormula::levin) {
-    for (int k = 0; k < kIteratedSteps; ++k) {
+  if (kernel.method == ProjectionMethod::levin) {
+    for (int k = 0; k < kLevinSteps; ++k) {
       const MeanPlane next = mean_plane(samples, r + n * t);
       if (!(next.weights > 0)) break;
       plane = next;
@@ -256,8 +255,8 @@ Vec3 fit_directional_curvatures(std::span<const WeighedSample> samples, const Ve
   return Vec3{equations.b[0], equations.b[1], equations.b[2]} / width;
 }
 
-void project_group_by_source(const ProjectionKernel& kernel, std::span<const Candidate> candidates,
-                             const PointGroup& group, GroupFeet& out) {
+void project_group_as_published(const ProjectionKernel& kernel, std::span<const Candidate> candidates,
+                                const PointGroup& group, GroupFeet& out) {
   std::vector<WeighedSample> samples;
   std::vector<double> areas;
   for (std::size_t k = 0; k < kGroup; ++k) {

@@ -33,7 +33,7 @@ Vec3 fit_directional_curvatures(std::span<const WeighedSample> samples, const Ve
                                 double width);
 
 /// Like project_group, for all formulas and options.
-void project_group_by_source(const ProjectionKernel& kernel, std::span<const Candidate> candidates,
-                             const PointGroup& group, GroupFeet& out);
+void project_group_as_published(const ProjectionKernel& kernel, std::span<const Candidate> candidates,
+                                const PointGroup& group, GroupFeet& out);
 
 }  // namespace sansmesh::inline v1::detail

@@ -1,0 +1,22 @@
+// Root cube and sorted samples of a fit.
+#pragma once
+
+#include "sansmesh/box.h"
+#include "sansmesh/partition/partition_data.h"
+#include "sansmesh/partition/sample_tree.h"
+#include "sansmesh/point_set.h"
+
+namespace sansmesh::inline v1 {
+
+/// Sets origin and root cube of `data`; returns the box of the points. Throws DataError for fewer than 4 points,
+/// without normals, or if all points coincide.
+Box3f set_root_cube(const PointSet& points, PartitionData& data);
+
+/// Sorts the points along the Morton curve of the root cube, to the depth `data.basis.sort_depth`. Positions and
+/// normals are moved out of `points`. `sorted`, if given, receives origin and colours; take_samples() adds the rest.
+SampleTree sort_samples(PointSet& points, const PartitionData& data, PointSet* sorted);
+
+/// Moves positions and normals of a tree that is no longer needed to `sorted`, if given.
+void take_samples(SampleTree& tree, PointSet* sorted);
+
+}  // namespace sansmesh::inline v1
