@@ -40,8 +40,10 @@ bool alike_normals(const Vec3& a, const Vec3& b, bool signs);
 template <class Surface>
 FitResult fit_pose(const OrientedPoints& moving, const Surface& fixed, const Similarity& start,
                    const PoseFitOptions& options);
-extern template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Similarity&, const PoseFitOptions&);
-extern template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Similarity&, const PoseFitOptions&);
+extern template FitResult fit_pose(const OrientedPoints&, const SampleSurface&, const Similarity&,
+                                   const PoseFitOptions&);
+extern template FitResult fit_pose(const OrientedPoints&, const WholeSurface&, const Similarity&,
+                                   const PoseFitOptions&);
 
 /// Overlap of two surfaces, 0..1: the mean, over the samples of both, of (1 − (distance / reach)²)², which is 0 for
 /// samples off the other surface.
