@@ -68,7 +68,7 @@ struct Volume {
     samples = data->volume(array, progress);
     options.method = method;
   }
-  std::shared_ptr<const VolumeField> field(ReconstructionReport* report = nullptr) {
+  std::shared_ptr<const VolumeField> field(VolumeReconstructionReport* report = nullptr) {
     ArrayChoice choice = data->choose(array);
     if (data->array(choice.array).components > 1 && !choice.component) choice.magnitude = true;
     return data->field(choice, options, progress, report);
@@ -77,7 +77,7 @@ struct Volume {
 
 void frames(Volume& volume) {
   std::shared_ptr<const VolumeField> field;
-  ReconstructionReport report;
+  VolumeReconstructionReport report;
   const Time fit = time_of([&] { field = volume.field(&report); });
   TriangleMesh boundary;
   if (!volume.samples->lattice) boundary = volume_boundary(*volume.samples);

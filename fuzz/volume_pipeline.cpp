@@ -256,7 +256,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (task == 0) return inform(*samples, dataset);
     ReconstructionOptions options;
     if (method < methods.size()) options.method = std::string(methods[method]->name);
-    ReconstructionReport report;
+    VolumeReconstructionReport report;
     const auto field = dataset.field({"s", {}, false}, options, progress, &report);
     for (const std::string& note : report.notes) fuzz::check_message(note);
     if (task == 1) return probe(*samples, *field);

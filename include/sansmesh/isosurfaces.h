@@ -40,9 +40,9 @@ struct SANSMESH_API VolumeIsosurfaceOptions {
 
 /// Report of an isosurface.
 struct SANSMESH_API VolumeIsosurfaceReport {
-  ReconstructionReport reconstruction;  ///< of the field
-  double value = 0;                     ///< isovalue
-  IsosurfaceReport mesh;                ///< how it was meshed
+  VolumeReconstructionReport reconstruction;  ///< of the field
+  double value = 0;                           ///< isovalue
+  IsosurfaceReport mesh;                      ///< how it was meshed
 
   static const ReportSchema& schema();  ///< report rows
 };
@@ -85,11 +85,11 @@ struct SANSMESH_API IsosurfaceMoment {
 
 /// Report of an isosurface that changes in time.
 struct SANSMESH_API IsosurfaceMomentsReport {
-  ReconstructionReport reconstruction;    ///< of the first step
-  double value = 0;                       ///< isovalue
-  std::size_t blocks = 0;                 ///< blocks in space and time
-  double cell = 0, time_cell = 0;         ///< edge and duration of the smallest blocks
-  std::vector<IsosurfaceMoment> moments;  ///< in order
+  VolumeReconstructionReport reconstruction;  ///< of the first step
+  double value = 0;                           ///< isovalue
+  std::size_t blocks = 0;                     ///< blocks in space and time
+  double cell = 0, time_cell = 0;             ///< edge and duration of the smallest blocks
+  std::vector<IsosurfaceMoment> moments;      ///< in order
 
   static const ReportSchema& schema();  ///< report rows
 };

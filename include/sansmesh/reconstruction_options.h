@@ -34,7 +34,7 @@ struct SANSMESH_API ReconstructionOptions {
 };
 
 /// Choices and remarks of a reconstruction.
-struct ReconstructionReport {
+struct VolumeReconstructionReport {
   ReconstructionOptions options;       ///< options with all choices made from the data, including the method
   std::string why;                     ///< reason for an automatic choice of the method: a sentence without a full stop
   std::vector<std::string> notes;      ///< "12 samples have no value: they were filled in from their neighbours", …

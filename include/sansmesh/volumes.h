@@ -103,7 +103,7 @@ class SANSMESH_API VolumeModel {
   /// components and none is selected.
   std::shared_ptr<const Isosurface> isosurface(double value, Progress& progress, std::vector<Note>& notes) const;
   /// Method of the first field, with the reason if the library chose it.
-  const ReconstructionReport& report() const;
+  const VolumeReconstructionReport& report() const;
 
   /// Value of sample i of the selected array (the magnitude of a whole vector). Requires an earlier call of samples().
   double sample_value(std::size_t i) const;
@@ -170,8 +170,8 @@ SANSMESH_API VolumeSeries open_volume_series(const std::vector<std::string>& fil
 
 /// Report of probe_volume().
 struct SANSMESH_API ProbeReport {
-  ReconstructionReport reconstruction;  ///< of the field
-  std::size_t inside = 0;               ///< points in the volume
+  VolumeReconstructionReport reconstruction;  ///< of the field
+  std::size_t inside = 0;                     ///< points in the volume
 
   static const ReportSchema& schema();  ///< report rows
 };
@@ -214,9 +214,9 @@ SANSMESH_API std::string probe_table(const ProbeResult& probed);
 
 /// Report of resample().
 struct SANSMESH_API ResampleReport {
-  ReconstructionReport reconstruction;  ///< of the field
-  std::array<std::size_t, 3> size{};    ///< values along the axes
-  double inside = 0;                    ///< share of the values inside the volume
+  VolumeReconstructionReport reconstruction;  ///< of the field
+  std::array<std::size_t, 3> size{};          ///< values along the axes
+  double inside = 0;                          ///< share of the values inside the volume
 
   static const ReportSchema& schema();  ///< report rows
 };
@@ -247,10 +247,10 @@ struct SANSMESH_API FitVolumeOptions {
 
 /// Report of fit_volume().
 struct SANSMESH_API FitVolumeReport {
-  ReconstructionReport reconstruction;  ///< of the field
-  std::size_t samples = 0;              ///< samples of the volume
-  std::vector<std::string> arrays;      ///< arrays that are kept
-  std::vector<std::size_t> by_degree;   ///< polynomials of degree 0, 1, …; empty for methods without coefficients
+  VolumeReconstructionReport reconstruction;  ///< of the field
+  std::size_t samples = 0;                    ///< samples of the volume
+  std::vector<std::string> arrays;            ///< arrays that are kept
+  std::vector<std::size_t> by_degree;  ///< polynomials of degree 0, 1, …; empty for methods without coefficients
 
   static const ReportSchema& schema();  ///< report rows
 };

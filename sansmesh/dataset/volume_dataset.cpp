@@ -157,8 +157,8 @@ std::shared_ptr<const SampledVolume> VolumeDataset::volume(Association of, Progr
 }
 
 std::shared_ptr<const VolumeField> VolumeDataset::field(const ArrayChoice& choice, const ReconstructionOptions& options,
-                                                        Progress& progress, ReconstructionReport* report) {
-  ReconstructionReport own;
+                                                        Progress& progress, VolumeReconstructionReport* report) {
+  VolumeReconstructionReport own;
   ReconstructionCoefficients kept;
   std::shared_ptr<const VolumeField> field = reconstruct(choice.array, options, progress, report ? *report : own, kept);
   if (field->components() == 1 || (!choice.component && !choice.magnitude)) return field;
@@ -171,7 +171,7 @@ std::shared_ptr<const VolumeField> VolumeDataset::field(const ArrayChoice& choic
 }
 
 std::unique_ptr<VolumeField> VolumeDataset::reconstruct(const std::string& array, const ReconstructionOptions& options,
-                                                        Progress& progress, ReconstructionReport& report,
+                                                        Progress& progress, VolumeReconstructionReport& report,
                                                         ReconstructionCoefficients& kept) {
   options.validate();
   const auto samples = volume(array, progress);
@@ -184,10 +184,10 @@ std::unique_ptr<VolumeField> VolumeDataset::reconstruct(const std::string& array
 }
 
 FittedVolume VolumeDataset::fit(const std::string& array, const ReconstructionOptions& options, bool all,
-                                Progress& progress, ReconstructionReport* report) {
+                                Progress& progress, VolumeReconstructionReport* report) {
   const DatasetArray chosen = this->array(array);
-  ReconstructionReport own;
-  ReconstructionReport& r = report ? *report : own;
+  VolumeReconstructionReport own;
+  VolumeReconstructionReport& r = report ? *report : own;
   FittedVolume result;
   reconstruct(array, options, progress, r, result.coefficients);
   result.volume = volume(array, progress);

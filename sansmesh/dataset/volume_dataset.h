@@ -46,12 +46,12 @@ class VolumeDataset {
   /// fitted reconstruction (the same method and array, and equal values of all options set), there is no fit, and the
   /// field is bit-identical.
   std::shared_ptr<const VolumeField> field(const ArrayChoice& choice, const ReconstructionOptions& options,
-                                           Progress& progress, ReconstructionReport* report = nullptr);
+                                           Progress& progress, VolumeReconstructionReport* report = nullptr);
 
   /// Reconstructs an array with all components to be saved: keeps this array alone, or all arrays of the same samples.
   /// Throws as reconstruct_volume.
   FittedVolume fit(const std::string& array, const ReconstructionOptions& options, bool all, Progress& progress,
-                   ReconstructionReport* report = nullptr);
+                   VolumeReconstructionReport* report = nullptr);
   /// The fitted volume this was made from, or null.
   const FittedVolume* fitted() const { return fitted_ ? &*fitted_ : nullptr; }
 
@@ -63,7 +63,7 @@ class VolumeDataset {
  private:
   /// The reconstruction of all components; `kept` supplies or receives its coefficients.
   std::unique_ptr<VolumeField> reconstruct(const std::string& array, const ReconstructionOptions& options,
-                                           Progress& progress, ReconstructionReport& report,
+                                           Progress& progress, VolumeReconstructionReport& report,
                                            ReconstructionCoefficients& kept);
 
   GridData data_;  ///< without blocks once they are no longer needed

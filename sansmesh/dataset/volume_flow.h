@@ -19,7 +19,7 @@ std::unique_ptr<VectorField> volume_flow(std::shared_ptr<const VolumeField> fiel
 /// One step of a series.
 struct FlowStep {
   std::shared_ptr<const VolumeField> field;
-  std::size_t bytes = 0;             ///< approximate memory (ReconstructionReport::bytes)
+  std::size_t bytes = 0;             ///< approximate memory (VolumeReconstructionReport::bytes)
   std::function<void()> taken = {};  ///< called once when the step is first needed, not when it is read ahead
 };
 

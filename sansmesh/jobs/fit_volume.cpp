@@ -25,7 +25,7 @@ FitVolumeResult fit_volume(const VolumeModel& volume, const FitVolumeOptions& op
                     choice.array, volume.options().array));
   volume.samples(progress);
   const ReconstructionOptions asked = options_for(volume, choice.array, progress);
-  ReconstructionReport report;
+  VolumeReconstructionReport report;
   auto fitted = std::make_shared<FittedVolume>(with_name(volume.name(), [&] {
     return dataset_of(volume).fit(choice.array, asked, options.all_arrays, progress, &report);
   }));

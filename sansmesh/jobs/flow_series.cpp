@@ -68,7 +68,7 @@ class StepReader {
       const std::vector<std::string> said = data.notes;
       VolumeDataset dataset(std::move(data));
       check_speeds(dataset.array(series_.choice.array));
-      ReconstructionReport report;
+      VolumeReconstructionReport report;
       FlowStep read{dataset.field(series_.choice, series_.method, progress, &report), report.bytes};
       read.taken = [this, i, said, name = files ? fmt::format("{}: ", printable(file, 200)) : step] {
         notes.add(i, name, said);

@@ -106,7 +106,7 @@ const std::vector<DatasetArray>& VolumeModel::arrays() const { return state_->da
 const std::vector<double>& VolumeModel::times() const { return state_->dataset->times(); }
 const ArrayChoice& VolumeModel::choice() const { return state_->choice; }
 const DatasetArray& VolumeModel::array() const { return state_->dataset->array(state_->choice.array); }
-const ReconstructionReport& VolumeModel::report() const { return state_->report; }
+const VolumeReconstructionReport& VolumeModel::report() const { return state_->report; }
 
 std::vector<Note> VolumeModel::notes() const {
   std::vector<Note> notes;
@@ -171,7 +171,7 @@ ReconstructionOptions options_for(const VolumeModel& volume, const std::string& 
   return options;
 }
 
-void VolumeModel::State::keep_report(const ReconstructionReport& of, const ReconstructionOptions& asked) {
+void VolumeModel::State::keep_report(const VolumeReconstructionReport& of, const ReconstructionOptions& asked) {
   if (std::exchange(reported, true)) return;
   report = of;
   // What suits the data was put in here, not by who opened the volume.
@@ -189,7 +189,7 @@ std::shared_ptr<const VolumeField> VolumeModel::field(const ArrayChoice& choice,
   if (made == s.made.end()) {
     samples(progress);
     const ReconstructionOptions options = options_for(*this, choice.array, progress);
-    ReconstructionReport report;
+    VolumeReconstructionReport report;
     auto field = with_name(s.name, [&] { return s.dataset->field(choice, options, progress, &report); });
     s.keep_report(report, options);
     made = s.made.insert(s.made.end(), {choice, std::move(field), std::move(report.notes)});
@@ -244,7 +244,7 @@ double VolumeModel::middle_value() const {
 
 VolumeUse volume_use(const VolumeModel& volume, Progress& progress) {
   const std::shared_ptr<const SampledVolume> samples = volume.samples(progress);
-  const ReconstructionReport& report = volume.report();
+  const VolumeReconstructionReport& report = volume.report();
   return {.format = volume.format(),
           .array = volume.choice().array,
           .method = report.options.method.value_or(""),
@@ -255,7 +255,7 @@ VolumeUse volume_use(const VolumeModel& volume, Progress& progress) {
 }
 
 std::vector<std::string> summary_of(const VolumeModel& volume, Progress& progress) {
-  const ReconstructionReport& r = volume.report();
+  const VolumeReconstructionReport& r = volume.report();
   const auto samples = volume.samples(progress);
   return {fmt::format("{}: by {}{}", volume.array_name(), r.options.method.value(),
                       r.why.empty() ? "" : ", since it is " + r.why),

@@ -25,12 +25,12 @@ struct VolumeModel::State {
   std::shared_ptr<const SampledVolume> samples;
   std::optional<VolumeTraits> traits;
   ReconstructionChoice recommended;
-  ReconstructionReport report;
+  VolumeReconstructionReport report;
   bool reported = false;
   std::vector<Made> made;
 
   /// Keeps the report of the first field only.
-  void keep_report(const ReconstructionReport& of, const ReconstructionOptions& asked);
+  void keep_report(const VolumeReconstructionReport& of, const ReconstructionOptions& asked);
 };
 
 /// Throws as the constructors of VolumeModel.

@@ -80,12 +80,12 @@ void check_not_lost(const VolumeValues& values, double scale, std::string_view m
 
 std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
                                                 const ReconstructionOptions& options, Progress& progress,
-                                                ReconstructionReport* report,
+                                                VolumeReconstructionReport* report,
                                                 ReconstructionCoefficients* coefficients) {
   options.validate();
   if (options.method) check_options(options, volume_method(*options.method));
-  ReconstructionReport own;
-  ReconstructionReport& r = report ? *report : own;
+  VolumeReconstructionReport own;
+  VolumeReconstructionReport& r = report ? *report : own;
   r = {};
   r.options = options;
   VolumeValues values = volume_values(*volume, array);

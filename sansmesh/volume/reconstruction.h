@@ -21,7 +21,7 @@ namespace sansmesh::inline v1 {
 /// same volume and array, with the options of the report of that fit. The field is then bit-identical.
 std::unique_ptr<VolumeField> reconstruct_volume(std::shared_ptr<const SampledVolume> volume, const std::string& array,
                                                 const ReconstructionOptions& options, Progress& progress,
-                                                ReconstructionReport* report = nullptr,
+                                                VolumeReconstructionReport* report = nullptr,
                                                 ReconstructionCoefficients* coefficients = nullptr);
 
 }  // namespace sansmesh::inline v1

@@ -18,7 +18,7 @@ struct ReconstructionInput {
   ReconstructionOptions options;
   Progress& progress;
   /// `options` equal those above until the method writes its choices; notes about values are present already.
-  ReconstructionReport& report;
+  VolumeReconstructionReport& report;
   /// Methods with coefficients store them here, or use those present instead of a fit.
   ReconstructionCoefficients& coefficients;
 };

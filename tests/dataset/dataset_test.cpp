@@ -56,7 +56,7 @@ TEST(VolumeDataset, ReportsTheMemoryOfAField) {
     ReconstructionOptions options;
     options.method = method;
     Progress progress;
-    ReconstructionReport report;
+    VolumeReconstructionReport report;
     dataset.field({"where", {}, false}, options, progress, &report);
     return report.bytes;
   };

@@ -68,7 +68,7 @@ class VolumeFile : public ::testing::Test {
   void expect_same_field(const GridData& data, const ReconstructionOptions& options) {
     Progress progress;
     VolumeDataset dataset(data);
-    ReconstructionReport report, again;
+    VolumeReconstructionReport report, again;
     const auto field = dataset.field({"f", {}, false}, options, progress, &report);
     const auto volume = dataset.volume("f", progress);
     VolumeDataset opened = stored(dataset.fit("f", options, false, progress));
@@ -229,7 +229,7 @@ TEST_F(VolumeFile, ReconstructsOtherRequestsAgain) {
   cubics.degree = 3;
   expect_same("f", cubics);
   // Absent options match those of the file.
-  ReconstructionReport report;
+  VolumeReconstructionReport report;
   opened.field({"f", {}, false}, by("mls-detail"), progress, &report);
   EXPECT_EQ(report.options.degree, 1);
   EXPECT_EQ(report.by_degree[2] + report.by_degree[3], 0u);

@@ -36,7 +36,7 @@ TEST(VolumeModel, ChoosesTheMethodThatSuitsTheDataAndSaysWhy) {
   EXPECT_NE(rough.report().why.find("noisy"), std::string::npos);
   // The default method is the same in the dataset and in the reconstruction itself.
   VolumeDataset dataset(lattice_grid({16, 16, 16}, noise));
-  ReconstructionReport of_dataset, alone;
+  VolumeReconstructionReport of_dataset, alone;
   dataset.field({"f", {}, false}, {}, progress, &of_dataset);
   reconstruct_volume(rough.samples(progress), "f", {}, progress, &alone);
   EXPECT_EQ(of_dataset.options.method, "cubic");

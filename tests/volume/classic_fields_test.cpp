@@ -379,7 +379,7 @@ TEST(ClassicFields, ErrorsNameRequiredGridsAndRanges) {
   options.radius = 5;
   EXPECT_THROW(reconstruct_volume(lattice, "f", options, progress), ArgumentError);
   options.radius = 2.5;
-  ReconstructionReport report;
+  VolumeReconstructionReport report;
   EXPECT_NE(reconstruct_volume(lattice, "f", options, progress, &report), nullptr);
   EXPECT_EQ(report.options.radius, 2.5);
   options.method = "shepard";

@@ -301,10 +301,10 @@ TEST(MlsDetail, ReportsSparseSamples) {
   };
   const auto volume = volume_of(tetrahedra_grid({8, 8, 8}, rough));
   Progress progress;
-  ReconstructionReport report;
+  VolumeReconstructionReport report;
   reconstruct_volume(volume, "f", {.method = "mls-detail"}, progress, &report);
   EXPECT_EQ(report.notes.size(), 1u);
-  ReconstructionReport fine;
+  VolumeReconstructionReport fine;
   reconstruct_volume(volume_of(tetrahedra_grid({8, 8, 8}, wave)), "f", {.method = "mls-detail"}, progress, &fine);
   EXPECT_TRUE(fine.notes.empty());
   EXPECT_EQ(std::accumulate(fine.by_degree.begin(), fine.by_degree.end(), std::size_t{0}), 512u);
@@ -316,7 +316,7 @@ TEST(MlsDetail, TrustsRoundedLinearFunctions) {
                                   VolumeFunction([](const Vec3& x) { return 1e9 + 0.3 * x.x - 0.7 * x.y; })}) {
     const auto volume = volume_of(lattice_grid({16, 16, 16}, f));
     Progress progress;
-    ReconstructionReport report;
+    VolumeReconstructionReport report;
     ReconstructionCoefficients fitted;
     reconstruct_volume(volume, "f", {.method = "mls-detail"}, progress, &report, &fitted);
     EXPECT_TRUE(report.notes.empty());

@@ -185,7 +185,7 @@ TEST(AmlsField, ChoosesAndReportsWidthAndIterations) {
   Progress progress;
   ReconstructionOptions options;
   options.method = "amls";
-  ReconstructionReport report;
+  VolumeReconstructionReport report;
   reconstruct_volume(volume_of(bent_grid({7, 7, 7}, bump)), "f", options, progress, &report);
   ASSERT_TRUE(report.options.epsilon && report.options.iterations && report.options.order);
   EXPECT_GT(*report.options.epsilon, 0);
